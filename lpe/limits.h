@@ -20,7 +20,7 @@ inline constexpr std::size_t event_points = 50'000;     ///< combinations of cor
                                                         ///< events in words
 inline constexpr std::size_t graph_states = 250;        ///< states of a drawn automaton
 inline constexpr std::size_t label_tests = 20'000'000;  ///< label comparisons during the search for event classes
-inline constexpr int word_depth = 128;                  ///< largest limit on scattering events in W; above it W is not
+inline constexpr int path_string_depth = 128;           ///< largest limit on scattering events in W; above it W is not
                                                         ///< limited
 inline constexpr std::size_t macro_depth = 64;          ///< nesting depth of macros
 inline constexpr std::size_t channel_file_bytes = 16'777'216;  ///< a file of channels (RIB, USD ASCII, ini, TOML)

@@ -250,7 +250,7 @@ Result<bool> match(std::string_view expression, std::span<const Event> events, D
     ChannelSource source;
     source.expression = std::string(expression);
     source.dialect = dialect;
-    Result<Program> program = Program::compile({&source, 1}, {.any_word = true});
+    Result<Program> program = Program::compile({&source, 1}, {.any_path_string = true});
     if (!program) { return std::move(program).error(); }
     State state = program->starts().front();
     for (const Event& event : events) { state = program->next(state, program->classify(event)); }

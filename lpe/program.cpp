@@ -21,7 +21,7 @@ namespace {
 class Layout {
   public:
     Layout(const EventClasses& classes, const Grouping& grouping) {
-        if (!grouping.parallel.empty()) { parallel_ = pack_bit_parallel(grouping.parallel, grouping.parallel_places); }
+        if (!grouping.parallel.empty()) { parallel_ = pack_bit_parallel(grouping.parallel, grouping.parallel_roles); }
         merge_columns(classes, grouping);
         tables_.classes = classes.table();
         tables_.next_state.assign(tables_.class_count, Program::dead);
@@ -106,14 +106,14 @@ class Layout {
 
 ProgramTables lay_out(const EventClasses& classes, std::vector<Dfa> dfas, std::span<const ChannelSource> channels,
                       const CompileOptions& options) {
-    const std::vector<Place> places = options.any_word ? std::vector<Place>{} : places_of(classes);
-    return lay_out(classes, group_channels(std::move(dfas), channels, places, options), channels, options);
+    const std::vector<ClassRole> roles = options.any_path_string ? std::vector<ClassRole>{} : roles_of(classes);
+    return lay_out(classes, group_channels(std::move(dfas), channels, roles, options), channels, options);
 }
 
 ProgramTables lay_out(const EventClasses& classes, const Grouping& grouping, std::span<const ChannelSource> channels,
                       const CompileOptions& options) {
     const std::size_t parallel_words =
-        grouping.parallel.empty() ? 0 : 1 + parallel_word_count(grouping.parallel, grouping.parallel_places);
+        grouping.parallel.empty() ? 0 : 1 + parallel_word_count(grouping.parallel, grouping.parallel_roles);
     if (grouping.tables.size() + parallel_words > options.word_cap) {
         fail("these channels need " + std::to_string(grouping.tables.size() + parallel_words) + " words of state; " +
                  std::to_string(options.word_cap) + " are allowed",
@@ -161,7 +161,7 @@ Result<Program> Program::compile(std::span<const ChannelSource> channels, const 
         }
         LanguageOptions language_options;
         language_options.state_cap = std::max(options.state_cap, limits::boolean_states);
-        language_options.renderer_words = !options.any_word;
+        language_options.renderer_path_strings = !options.any_path_string;
         Languages languages = build_languages(channels, language_options);
         return Program(lay_out(*languages.classes, std::move(languages.channels), channels, options));
     });

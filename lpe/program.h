@@ -33,8 +33,8 @@ struct ChannelSource {
     std::string origin{};  ///< for errors: the file or option that contains the text
     int origin_line = 0;   ///< line in `origin` of the first character of the expression; 0: unknown
     int origin_column = 0;
-    /// If not empty, the channel has no expression: it accepts every path string of W (lpe/words.h) that none of these
-    /// channels accepts (indices into the list that is compiled).
+    /// If not empty, the channel has no expression: it accepts every path string of W (lpe/path_strings.h) that none of
+    /// these channels accepts (indices into the list that is compiled).
     std::vector<std::size_t> rest_of{};
     /// The origin of each byte of the expression if it is not one place in one line (escapes, macros). Errors then use
     /// it, and `origin` is only a name for the whole.
@@ -50,9 +50,9 @@ struct CompileOptions {
     std::size_t word_cap = 32;       ///< words of a path's state: groups, plus the words of packed channels
     /// Renderers report path strings of the form C (R | T | V | user)* (L | B | O), and by default a Program
     /// distinguishes only these. Its tables then are several times smaller, and a state is dead as soon as no such path
-    /// string can be completed. With `any_word` the program follows any sequence of events, as conformance vectors
-    /// need.
-    bool any_word = false;
+    /// string can be completed. With `any_path_string` the program follows any sequence of events, as conformance
+    /// vectors need.
+    bool any_path_string = false;
 };
 
 class Program {
@@ -107,7 +107,7 @@ class Program {
     [[nodiscard]] std::size_t mask_words() const noexcept { return (view_.channel_count + 31) / 32; }
 
     // For states whose machine words are all rows of tables: the case if !view().has_parallel(), and always with
-    // CompileOptions::any_word or with a single channel.
+    // CompileOptions::any_path_string or with a single channel.
     [[nodiscard]] State next(State state, EventClass event) const noexcept { return view_.next(state, event); }
     /// The channels that accept in the state, ascending.
     [[nodiscard]] std::span<const std::uint16_t> accepted(State state) const noexcept { return view_.accepted(state); }

@@ -149,7 +149,7 @@ bool ReversedProgram::prepend(const State* from, EventClass event, State* to) co
     return alive != 0;
 }
 
-bool ReversedProgram::join(const State* camera, const State* light, State* whole) const noexcept {
+bool ReversedProgram::connect(const State* camera, const State* light, State* whole) const noexcept {
     const std::size_t phase = tables_.size();
     State alive = 0;
     for (std::size_t g = 0; g < phase; ++g) {

@@ -45,7 +45,7 @@ class ReversedProgram {
     /// Computes a state of the program that accepts what the camera subpath followed by the light subpath accepts.
     /// `whole` has the program's word_count() words and can be `camera`. No event can follow it. Returns false when no
     /// channel accepts.
-    bool join(const State* camera, const State* light, State* whole) const noexcept;
+    bool connect(const State* camera, const State* light, State* whole) const noexcept;
     /// The number of states of one reversed table, for look-ahead; state 0 accepts nothing. Not for packed channels.
     [[nodiscard]] std::size_t state_count(std::size_t word) const noexcept {
         return tables_[word].outcome.size() / tables_[word].rows;

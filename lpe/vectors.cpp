@@ -65,7 +65,7 @@ class VectorRunner {
         if (!compiled_ || source_.expression != result.expression) {
             source_.expression = result.expression;
             source_.dialect = dialect_;
-            compiled_.emplace(Program::compile({&source_, 1}, {.any_word = true}));
+            compiled_.emplace(Program::compile({&source_, 1}, {.any_path_string = true}));
         }
         if (!*compiled_) {
             result.found = "ERR";

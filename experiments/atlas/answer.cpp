@@ -39,7 +39,7 @@ Result<AtlasAnswer> answer_question(display::AtlasFile& atlas, const Job& job, c
     if (!plan->channels.empty())
         if (Status fits = display::check_exr_layout(plan->channels, display::invalid_channel, {}); !fits)
             return fits.error();
-    auto layers = AskedLayers::make(atlas, *plan, settings);
+    auto layers = RequestedLayers::make(atlas, *plan, settings);
     if (!layers) return layers.error();
     answer.layers = *std::move(layers);
     answer.description = atlas.description();
@@ -47,7 +47,7 @@ Result<AtlasAnswer> answer_question(display::AtlasFile& atlas, const Job& job, c
     answer.description.partitions = plan->partitions;
     keep_exact_partitions(answer);
     if (Status fits =
-            display::check_exr_layout(answer.layers.channels(), AskedLayers::beauty, answer.description.partitions);
+            display::check_exr_layout(answer.layers.channels(), RequestedLayers::beauty, answer.description.partitions);
         !fits)
         return fits.error();
     return answer;

@@ -13,7 +13,7 @@ namespace raylex::experiments {
 namespace {
 
 using display::PathAtlas;
-using display::WordTable;
+using display::PathStringTable;
 
 std::string attribute(const display::AtlasFile& file, const char* name) {
     const auto& attributes = file.description().attributes;
@@ -109,14 +109,14 @@ Status check_pair(const display::AtlasFile& a, const display::AtlasFile& b) {
     return success();
 }
 
-double mean_luminance(const display::WordSample& sample) {
+double mean_luminance(const display::PathStringSample& sample) {
     return (sample.rgb[0] + sample.rgb[1] + sample.rgb[2]) / 3;
 }
 
 /// Returns the letters of a word, and how its light was found.
-std::vector<WordTable::Letter> whole_word(const WordTable& table, std::uint32_t word) {
-    std::vector<WordTable::Letter> letters = table.words[word];
-    if (!table.techniques.empty()) letters.push_back(display::WordAlphabet::letter_of(table.techniques[word]));
+std::vector<PathStringTable::Letter> whole_path_string(const PathStringTable& table, std::uint32_t word) {
+    std::vector<PathStringTable::Letter> letters = table.words[word];
+    if (!table.techniques.empty()) letters.push_back(display::PathAlphabet::letter_of(table.techniques[word]));
     return letters;
 }
 
@@ -158,11 +158,11 @@ Result<std::unique_ptr<MergedAtlas>> MergedAtlas::open(const std::vector<std::st
 }
 
 Status MergedAtlas::join_tables() {
-    std::map<std::string, std::pair<WordTable::Letter, lpe::Event>> letter_of;
-    std::map<std::vector<WordTable::Letter>, std::uint32_t> words;
+    std::map<std::string, std::pair<PathStringTable::Letter, lpe::Event>> letter_of;
+    std::map<std::vector<PathStringTable::Letter>, std::uint32_t> words;
     table_.rules = files_.front()->table().rules;
     for (const auto& file : files_) {
-        const WordTable& table = file->table();
+        const PathStringTable& table = file->table();
         for (std::size_t i = 0; i < table.events.size(); ++i) {
             const auto [place, fresh] =
                 letter_of.try_emplace(lpe::to_text(table.events[i]), std::pair(table.letters[i], table.events[i]));
@@ -170,7 +170,8 @@ Status MergedAtlas::join_tables() {
                 return error_at({file->path(), 0, 0}, "cannot be merged with " + files_.front()->path() +
                                                           ": their letters represent different events");
         }
-        for (std::uint32_t word = 0; word < table.words.size(); ++word) words.try_emplace(whole_word(table, word), 0);
+        for (std::uint32_t word = 0; word < table.words.size(); ++word)
+            words.try_emplace(whole_path_string(table, word), 0);
         table_.negative = std::max(table_.negative, table.negative);
         table_.dropped_straight = table_.dropped_straight || table.dropped_straight;
         table_.merged += table.merged;
@@ -183,13 +184,13 @@ Status MergedAtlas::join_tables() {
         number = static_cast<std::uint32_t>(table_.words.size());
         table_.words.push_back(word);
         if (!table_.rules.techniques) continue;
-        table_.techniques.push_back(display::WordAlphabet::technique_of(word.back()));
+        table_.techniques.push_back(display::PathAlphabet::technique_of(word.back()));
         table_.words.back().pop_back();
     }
     for (const auto& file : files_) {
         std::vector<std::uint32_t>& number_of = number_of_.emplace_back();
         for (std::uint32_t word = 0; word < file->table().words.size(); ++word)
-            number_of.push_back(words.at(whole_word(file->table(), word)));
+            number_of.push_back(words.at(whole_path_string(file->table(), word)));
     }
     return success();
 }
@@ -229,7 +230,7 @@ void MergedAtlas::merge_pixel(std::size_t x, display::AtlasRow& row) {
     std::stable_sort(parts_.begin(), parts_.end(), [](const Part& a, const Part& b) { return a.word < b.word; });
     for (std::size_t i = 0, end = 0; i < parts_.size(); i = end) {
         while (end < parts_.size() && parts_[end].word == parts_[i].word) ++end;
-        display::WordSample& sample = row.samples.emplace_back();
+        display::PathStringSample& sample = row.samples.emplace_back();
         sample.word = parts_[i].word;
         for (std::size_t c = 0; c < 3; ++c) {
             for (std::size_t p = i; p < end; ++p) terms.push_back(parts_[p].samples * parts_[p].sample->rgb[c]);

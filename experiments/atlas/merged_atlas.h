@@ -26,7 +26,7 @@ class MergedAtlas final : public display::AtlasSource {
 
     [[nodiscard]] int width() const override { return files_.front()->width(); }
     [[nodiscard]] int height() const override { return files_.front()->height(); }
-    [[nodiscard]] const display::WordTable& table() const override { return table_; }
+    [[nodiscard]] const display::PathStringTable& table() const override { return table_; }
     Status row(int y, display::AtlasRow& row) override;
     /// Returns the description of the first file, with sums and lists over all files.
     [[nodiscard]] display::ImageDescription description() const;
@@ -37,13 +37,13 @@ class MergedAtlas final : public display::AtlasSource {
     struct Part {
         std::uint32_t word = 0;
         double samples = 0;
-        const display::WordSample* sample = nullptr;
+        const display::PathStringSample* sample = nullptr;
     };
     void merge_pixel(std::size_t x, display::AtlasRow& row);
     std::vector<std::unique_ptr<display::AtlasFile>> files_;
     std::vector<display::AtlasRow> rows_;                // [file]
     std::vector<std::vector<std::uint32_t>> number_of_;  // [file][word]
-    display::WordTable table_;
+    display::PathStringTable table_;
     std::vector<Part> parts_;
 };
 

@@ -35,17 +35,17 @@ static void visit_fields(auto visit, transport::SceneAlphabet& alphabet) {
     visit("terminals", EventsText{alphabet.terminals, 1});
 }
 
-std::string scene_record(const SceneWords& scene) {
+std::string scene_record(const ScenePathStrings& scene) {
     Json json = scene.alphabet;
     if (scene.words.max_depth) json["max_depth"] = *scene.words.max_depth;
     json["holdouts"] = scene.holdouts;
     return json_text(json);
 }
 
-Result<SceneWords> read_scene_record(const std::string& text, const std::string& path) {
+Result<ScenePathStrings> read_scene_record(const std::string& text, const std::string& path) {
     try {
         const Json json = parse_json(text);
-        SceneWords scene{json, {}, {}, json.at("holdouts")};
+        ScenePathStrings scene{json, {}, {}, json.at("holdouts")};
         scene.words.alphabet = lpe::Alphabet{scene.alphabet.scattering, scene.alphabet.terminals};
         if (json.contains("max_depth")) scene.words.max_depth = whole(json.at("max_depth"));
         return scene;

@@ -4,13 +4,13 @@
 
 #include <string>
 
-#include "experiments/job/channels/scene_words.h"
+#include "experiments/job/channels/scene_path_strings.h"
 
 namespace raylex::experiments {
 
 /// Returns the record as JSON.
-std::string scene_record(const SceneWords& scene);
+std::string scene_record(const ScenePathStrings& scene);
 /// Parses a record. Errors name `path`: the text is not such a record.
-Result<SceneWords> read_scene_record(const std::string& text, const std::string& path);
+Result<ScenePathStrings> read_scene_record(const std::string& text, const std::string& path);
 
 }  // namespace raylex::experiments

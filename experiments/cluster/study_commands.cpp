@@ -6,10 +6,10 @@
 #include <thread>
 
 #include "experiments/program/console.h"
-#include "experiments/study/run/cells/cell_parts.h"
+#include "experiments/study/run/cells/run_parts.h"
 #include "experiments/study/run/run_marks.h"
-#include "experiments/study/run/workers/cell_worker.h"
 #include "experiments/study/run/workers/estimates.h"
+#include "experiments/study/run/workers/run_worker.h"
 
 namespace raylex::experiments {
 namespace {
@@ -35,10 +35,10 @@ class StudySurvey {
         auto plan = make_plan(config_);
         if (!plan) return plan.error();
         plan_ = std::move(*plan);
-        CellWorker worker(config_, plan_, request_.directory, stop_, true);
+        RunWorker worker(config_, plan_, request_.directory, stop_, true);
         std::set<std::size_t> broken;
         std::optional<Error> first;
-        for (const PlannedCell& each : plan_.cells) {
+        for (const PlannedRun& each : plan_.runs) {
             if (stop_ != nullptr && stop_->load()) return success();
             if (broken.contains(each.scene) || !seen_.emplace(each.scene, each.variant).second) continue;
             auto bytes = worker.frame_buffer_bytes(each.scene, each.variant);
@@ -51,14 +51,14 @@ class StudySurvey {
         }
         if (broken.size() == config_.scenes.size() && first) return *first;
         if (request_.calibrate) static_cast<void>(estimates_.calibrate(worker, plan_, broken, stop_));
-        work_ = split_cells(
+        work_ = split_runs(
             config_, plan_,
             [&](std::size_t scene, std::size_t variant) { return worker.reason_to_keep(scene, variant); },
-            request_.split_cells);
+            request_.split_runs);
         if (request_.shards > work_.items.size())
             return error_at({"--shards", 0, 0},
                             std::to_string(request_.shards) + " shards of " + counted(work_.items.size(), "cell") +
-                                (request_.split_cells > 1 ? " and parts of cells" : "") +
+                                (request_.split_runs > 1 ? " and parts of cells" : "") +
                                 "; expected at most as many shards",
                             "--split-cells N divides a cell into several parts");
         return success();
@@ -72,12 +72,12 @@ class StudySurvey {
 
     /// Sets memory, CPU seconds and whether the command must run alone on its machine.
     void describe(unsigned part, PlannedCommand& command) const {
-        const Shard shard{part, request_.shards, request_.split_cells};
+        const Shard shard{part, request_.shards, request_.split_runs};
         double seconds = 0;
         bool known = true;
         for (std::size_t i = 0; i < work_.items.size(); ++i) {
             if (!shard.has(i)) continue;
-            command.exclusive = command.exclusive || work_.items[i].cell.budget_kind == BudgetKind::seconds;
+            command.exclusive = command.exclusive || work_.items[i].run.budget_kind == BudgetKind::seconds;
             const auto one = estimates_.seconds(work_.items[i]);
             seconds += one.value_or(0);
             known = known && one;
@@ -145,8 +145,8 @@ PlannedCommand shard_command(const StudyCommandsRequest& request, const StudyFol
     command.arguments = joined(
         joined({program_path(), "experiment", "run"}, request.config),
         {"-o", folders.part(part), "--shard", number + "/" + shards, "--references", folders.references, "--resume"});
-    if (request.split_cells > 1)
-        command.arguments = joined(command.arguments, {"--split-cells", std::to_string(request.split_cells)});
+    if (request.split_runs > 1)
+        command.arguments = joined(command.arguments, {"--split-cells", std::to_string(request.split_runs)});
     if (request.threads > 0)
         command.arguments = joined(command.arguments, {"--threads", std::to_string(request.threads)});
     if (request.retry) command.arguments.push_back("--retry");

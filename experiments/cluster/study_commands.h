@@ -13,7 +13,7 @@ namespace raylex::experiments {
 
 struct StudyCommandsRequest {
     std::string directory;  ///< absolute path of the study's directory
-    unsigned shards = 1, split_cells = 1;
+    unsigned shards = 1, split_runs = 1;
     unsigned threads = 0;             ///< threads of each shard; 0: the config's number
     std::vector<std::string> config;  ///< CONFIG.toml and its --set, with absolute paths
     bool calibrate = true, report = true;

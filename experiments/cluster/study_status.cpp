@@ -60,8 +60,8 @@ class Look {
                                   const std::string& log) const {
         TaskStatus status;
         status.name = name;
-        status.cells = count_entries(directory + "/cells");
-        status.failed_cells = count_entries(directory + "/failed");
+        status.runs = count_entries(directory + "/cells");
+        status.failed_runs = count_entries(directory + "/failed");
         const auto finished = finished_mark(directory);
         if (finished) {
             status.state = finished->failed > 0 ? TaskState::failed : TaskState::done;

@@ -13,8 +13,8 @@ enum class TaskState { done, running, queued, failed, stopped, missing };
 struct TaskStatus {
     std::string name;  ///< "references", "shard 2", "merge"
     TaskState state = TaskState::missing;
-    std::size_t cells = 0, failed_cells = 0;  ///< of a shard, so far
-    std::string message;                      ///< error message
+    std::size_t runs = 0, failed_runs = 0;  ///< of a shard, so far
+    std::string message;                    ///< error message
 };
 
 struct StudyStatus {

@@ -7,8 +7,8 @@
 
 namespace raylex::experiments {
 
-RAYLEX_JSON_FIELDS(Verdict, invariant, outcome, measured, bound, note)
-RAYLEX_JSON_FIELDS(SceneReport, refused, verdicts)
+RAYLEX_JSON_FIELDS(InvariantResult, invariant, outcome, measured, bound, note)
+RAYLEX_JSON_FIELDS(SceneReport, refused, results)
 RAYLEX_JSON_FIELDS(InvariantOptions, seed, only, means, ordinary, most_pixels, most_samples, replicates,
                    samples_of_means)
 
@@ -16,8 +16,8 @@ namespace {
 
 std::string answer_check(const std::string& request, const std::string& path) {
     limit_checking_process();
-    const Message asked = unpacked(request);
-    const auto report = check_invariants(asked.at(0), path, asked.at(1).get<InvariantOptions>());
+    const Message requested = unpacked(request);
+    const auto report = check_invariants(requested.at(0), path, requested.at(1).get<InvariantOptions>());
     return packed(report ? Message(*report) : Message(report.error().to_string()));
 }
 
@@ -42,8 +42,7 @@ Result<SceneReport> CheckingProcess::check(const std::string& text, const Invari
                                            const std::atomic<bool>* stop) {
     const auto answer = process_.ask({packed(Message::array({text, options})), timeout_seconds_, stop, 1, {}});
     if (!answer) return answer.error();
-    if (!answer->death.empty())
-        return SceneReport{{}, {{death_verdict, InvariantState::violated, 1, 0, answer->death}}};
+    if (!answer->death.empty()) return SceneReport{{}, {{death_result, InvariantState::violated, 1, 0, answer->death}}};
     const Message content = unpacked(answer->content);
     if (content.is_string()) return error_at({}, content.get<std::string>());
     return content.get<SceneReport>();

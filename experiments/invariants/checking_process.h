@@ -10,7 +10,7 @@
 namespace raylex::experiments {
 
 /// Name of the verdict on a scene whose process ended without a report.
-inline constexpr const char* death_verdict = "death";
+inline constexpr const char* death_result = "death";
 
 /// A process that runs check_invariants(). After a death, the next check starts a new process.
 class CheckingProcess {
@@ -18,7 +18,7 @@ class CheckingProcess {
     /// `path`: relative file names in scenes are relative to its folder. A check that takes longer than
     /// `timeout_seconds` ends with the process.
     CheckingProcess(std::string path, double timeout_seconds);
-    /// The report of check_invariants(), or one verdict `death_verdict` whose note describes how the process ended.
+    /// The report of check_invariants(), or one verdict `death_result` whose note describes how the process ended.
     /// Errors: those of check_invariants(); no process could be made.
     Result<SceneReport> check(const std::string& text, const InvariantOptions& options, const std::atomic<bool>* stop);
 

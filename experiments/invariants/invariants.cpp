@@ -24,8 +24,8 @@ std::vector<InvariantInfo> invariants() {
 }
 
 bool SceneReport::holds() const {
-    return std::none_of(verdicts.begin(), verdicts.end(),
-                        [](const Verdict& verdict) { return verdict.outcome == InvariantState::violated; });
+    return std::none_of(results.begin(), results.end(),
+                        [](const InvariantResult& result) { return result.outcome == InvariantState::violated; });
 }
 
 Result<SceneReport> check_invariants(const std::string& text, const std::string& path,
@@ -43,7 +43,7 @@ Result<SceneReport> check_invariants(const std::string& text, const std::string&
     if (!test) {
         report.refused = test.error().to_string();
         if (test.error().message.empty())
-            report.verdicts.push_back({"error", InvariantState::violated, 1, 0, "rejected without an error message"});
+            report.results.push_back({"error", InvariantState::violated, 1, 0, "rejected without an error message"});
         return report;
     }
     for (const Invariant* each : all_invariants()) {
@@ -51,12 +51,12 @@ Result<SceneReport> check_invariants(const std::string& text, const std::string&
         if (options.only.empty() ? each->info.of_means && !options.means : !named) continue;
         if (each->info.of_ordinary && !options.ordinary) continue;
         const Measured measured = each->check(*test);
-        Verdict verdict{std::string(each->info.name), InvariantState::skipped, measured.value, measured.bound,
-                        measured.note};
+        InvariantResult result{std::string(each->info.name), InvariantState::skipped, measured.value, measured.bound,
+                               measured.note};
         // NaN violates every bound.
         if (measured.applies)
-            verdict.outcome = measured.value <= measured.bound ? InvariantState::holds : InvariantState::violated;
-        report.verdicts.push_back(std::move(verdict));
+            result.outcome = measured.value <= measured.bound ? InvariantState::holds : InvariantState::violated;
+        report.results.push_back(std::move(result));
     }
     return report;
 }

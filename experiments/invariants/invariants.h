@@ -16,7 +16,7 @@ namespace raylex::experiments {
 
 enum class InvariantState : std::uint8_t { holds, violated, skipped };
 
-struct Verdict {
+struct InvariantResult {
     std::string invariant;
     InvariantState outcome = InvariantState::skipped;
     double measured = 0, bound = 0;
@@ -44,7 +44,7 @@ struct InvariantOptions {
 
 struct SceneReport {
     std::string refused;  ///< why the scene gives no image; this is a valid result, and nothing is checked
-    std::vector<Verdict> verdicts;
+    std::vector<InvariantResult> results;
 
     [[nodiscard]] bool holds() const;
 };

@@ -23,7 +23,7 @@ Result<Job> parse_job(const std::string& text, const std::string& path) {
     if (!root.has("scene"))
         source.fail(SourceLocation{path, 1, 1}, "the job names no scene; expected [scene] with file = \"...\"");
     read_settings_table(root, "scene", path, job, [&](TomlTable& scene) {
-        if (scene.require("file", job.scene_file)) job.scene_file = beside_job(path, job.scene_file);
+        if (scene.require("file", job.scene_file)) job.scene_file = relative_to_job(path, job.scene_file);
     });
     for (const char* name : {"output", "color"}) read_settings_table(root, name, path, job);
     read_settings_table(root, "render", path, job, [&](TomlTable& render) { read_effects(render, job.effects); });

@@ -55,7 +55,8 @@ void read_plugins(TomlTable& root, const std::string& job_path, Job& job) {
     if (!root.read("plugins", files, &locations)) return;
     for (std::size_t i = 0; i < files.size(); ++i)
         job.plugins.push_back(
-            {is_shipped_plugin(files[i]) ? shipped_plugin(files[i]) : beside_job(job_path, files[i]), locations[i]});
+            {is_shipped_plugin(files[i]) ? shipped_plugin(files[i]) : relative_to_job(job_path, files[i]),
+             locations[i]});
 }
 
 bool is_shipped_plugin(const std::string& name) {

@@ -44,7 +44,7 @@ void read_drivers(TomlTable& root, const std::string& job_path, OutputRequests& 
     for (ObjectRequest& request : read_objects(root, "driver")) {
         for (Parameter& parameter : request.parameters.parameters)
             if (parameter.name == "file" && parameter.strings.size() == 1)
-                parameter.strings[0] = beside_job(job_path, parameter.strings[0]);
+                parameter.strings[0] = relative_to_job(job_path, parameter.strings[0]);
         outputs.drivers.push_back(std::move(request));
     }
 }
@@ -62,7 +62,7 @@ Status set_exr_parts(OutputRequests& outputs, const std::string& word, const Sou
 }
 
 Status set_atlas_rules(const std::string& text, const SourceLocation& where, AtlasRequest& atlas) {
-    auto rules = display::parse_word_rules(text, where);
+    auto rules = display::parse_path_string_rules(text, where);
     if (!rules) return rules.error();
     rules->length = atlas.rules.length;
     atlas.rules = *rules;
@@ -91,7 +91,7 @@ std::vector<ObjectRequest> read_objects(TomlTable& root, const char* key) {
     return objects;
 }
 
-std::string beside_job(const std::string& job_path, const std::string& path) {
+std::string relative_to_job(const std::string& job_path, const std::string& path) {
     if (path.empty() || fs::path(path).is_absolute()) return path;
     return (fs::path(job_path).parent_path() / path).lexically_normal().string();
 }

@@ -10,7 +10,7 @@
 #include "display/output/writer/deep_file.h"
 #include "display/output/writer/exr_storage.h"
 #include "display/services/object_request.h"
-#include "display/services/samples/word_alphabet.h"
+#include "display/services/samples/path_alphabet.h"
 #include "lpe/result.h"
 
 namespace raylex::experiments {
@@ -33,7 +33,7 @@ struct DeepRequest {
 struct AtlasRequest {
     std::string file;  ///< empty: no atlas
     SourceLocation location;
-    display::WordRules rules{.length = 0};          ///< length 0: the maximum depth of the render's paths
+    display::PathStringRules rules{.length = 0};    ///< length 0: the maximum depth of the render's paths
     std::uint64_t budget = std::uint64_t{2} << 30;  ///< bytes of memory; 0: no limit
 };
 
@@ -67,6 +67,6 @@ void read_output_tables(TomlTable& root, const std::string& job_path, Job& job);
 std::vector<ObjectRequest> read_objects(TomlTable& root, const char* key);
 
 /// Returns a path in a job file relative to the current folder.
-std::string beside_job(const std::string& job_path, const std::string& path);
+std::string relative_to_job(const std::string& job_path, const std::string& path);
 
 }  // namespace raylex::experiments

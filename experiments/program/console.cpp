@@ -102,7 +102,7 @@ Status write_text(const std::string& path, const std::string& text) {
     return success();
 }
 
-void print_verdict(const std::string& text, bool holds) {
+void print_result(const std::string& text, bool holds) {
     print_line(tinted(text, holds ? Tint::good : Tint::bad, lines_to_error_stream));
 }
 

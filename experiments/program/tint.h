@@ -15,6 +15,6 @@ enum class Tint { error, warning, good, bad };
 [[nodiscard]] std::string tinted(const std::string& text, Tint tint, bool error_stream);
 
 /// Prints a line like print_line(): green if a check holds, red if it does not.
-void print_verdict(const std::string& text, bool holds);
+void print_result(const std::string& text, bool holds);
 
 }  // namespace raylex::experiments

@@ -12,14 +12,14 @@
 #include "experiments/report/html.h"
 #include "experiments/report/page_layers.h"
 #include "experiments/report/statistics_table.h"
-#include "experiments/report/words/page_words.h"
+#include "experiments/report/words/page_path_strings.h"
 #include "lpe/input/read_input.h"
 
 namespace raylex::experiments {
 namespace {
 
 using display::ExrImage;
-using display::SplitVerdict;
+using display::SplitResult;
 
 std::string attribute(const ExrImage& image, const std::string& name) {
     const auto found = image.attributes.find(name);
@@ -33,7 +33,7 @@ std::string number(double value) {
 }
 
 // The end of an opening tag, from its class on, and the result of the check.
-const char* answer_markup(const SplitVerdict& verdict) {
+const char* answer_markup(const SplitResult& verdict) {
     if (verdict.answer == display::SplitAnswer::cannot_tell) return "fails\">cannot tell: every pixel is clamped";
     if (!verdict.holds) return "fails\">does not hold";
     return verdict.answer == display::SplitAnswer::holds_as_allowed ? "holds\">holds within what is allowed"
@@ -46,7 +46,7 @@ class Page {
         : color_(color),
           options_(options),
           layers_(color, options, page_bytes / std::max<std::size_t>(images, 1)),
-          bytes_of_words_(words_bytes / std::max<std::size_t>(atlases, 1)) {}
+          bytes_of_path_strings_(path_strings_bytes / std::max<std::size_t>(atlases, 1)) {}
 
     /// `atlas`: the atlas of the image, or null. If the image comes from an atlas, `path` is that file.
     Status add(const std::string& path, const ExrImage& image, display::AtlasFile* atlas) {
@@ -59,16 +59,16 @@ class Page {
         add_introduction(image, *verdicts);
         body_ += "</header>\n" + *pictures;
         if (atlas != nullptr) {
-            auto words = words_html(*atlas, atlases_++, bytes_of_words_);
+            auto words = path_strings_html(*atlas, atlases_++, bytes_of_path_strings_);
             if (!words) return words.error();
             body_ += *words;
         }
-        add_verdicts(*verdicts);
+        add_results(*verdicts);
         add_statistics(path);
         add_header(image);
         body_ += "</section>\n";
-        for (const SplitVerdict& verdict : *verdicts) {
-            ++judged_;
+        for (const SplitResult& verdict : *verdicts) {
+            ++checked_;
             if (verdict.answer == display::SplitAnswer::does_not_hold) ++failed_;
             if (verdict.answer == display::SplitAnswer::cannot_tell) ++open_;
             undecided_ += verdict.undecided;
@@ -79,11 +79,11 @@ class Page {
 
     [[nodiscard]] std::string finish() const {
         std::string verdict;
-        if (judged_ == 0) verdict = "The file declares no partition, so there is nothing to check.";
+        if (checked_ == 0) verdict = "The file declares no partition, so there is nothing to check.";
         else if (failed_ + open_ == 0)
             verdict = "<span class=\"holds\">Every split holds:</span> in " +
-                      (judged_ == 1 ? std::string("the one partition")
-                                    : "each of " + std::to_string(judged_) + " partitions") +
+                      (checked_ == 1 ? std::string("the one partition")
+                                     : "each of " + std::to_string(checked_) + " partitions") +
                       " the layers sum to their whole at " +
                       (undecided_ == 0 ? "every pixel"
                                        : std::to_string(pixels_ - undecided_) + " of " + std::to_string(pixels_) +
@@ -91,9 +91,9 @@ class Page {
                       ", up to the rounding and compression of the file.";
         else if (failed_ == 0)
             verdict = "<span class=\"fails\">Cannot tell for " + std::to_string(open_) + " of " +
-                      std::to_string(judged_) + " partitions:</span> every pixel is clamped to the range of the file.";
+                      std::to_string(checked_) + " partitions:</span> every pixel is clamped to the range of the file.";
         else
-            verdict = "<span class=\"fails\">" + std::to_string(failed_) + " of " + std::to_string(judged_) +
+            verdict = "<span class=\"fails\">" + std::to_string(failed_) + " of " + std::to_string(checked_) +
                       " partitions do not hold.</span>";
         return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
                "content=\"width=device-width, initial-scale=1\">\n"
@@ -118,8 +118,8 @@ class Page {
         return "display " + display + ", view " + view + " of " + color_.description();
     }
 
-    void add_introduction(const ExrImage& image, const std::vector<SplitVerdict>& verdicts) {
-        for (const SplitVerdict& v : verdicts)
+    void add_introduction(const ExrImage& image, const std::vector<SplitResult>& verdicts) {
+        for (const SplitResult& v : verdicts)
             body_ += "<p>" + escape_html(v.partition) + " <span class=\"" + answer_markup(v) + "</span></p>";
         std::string text = std::to_string(image.width) + " x " + std::to_string(image.height) + " pixels";
         const auto append = [&](const char* name, const std::string& before, const std::string& after) {
@@ -134,20 +134,20 @@ class Page {
             body_ += "<p class=\"fails\">This render was interrupted: the image is incomplete.</p>\n";
     }
 
-    void add_verdicts(const std::vector<SplitVerdict>& verdicts) {
+    void add_results(const std::vector<SplitResult>& verdicts) {
         if (verdicts.empty()) return;
         body_ +=
             "<details><summary>Split checks in numbers</summary>\n<div "
             "class=\"wide\"><table>\n<tr><th>Partition</th><th>Result</th><th>Layers</th><th>Largest relative "
             "error</th><th>at pixel</th><th>Bound</th><th>Pixels checked</th>"
             "<th>Largest absolute error</th><th>at pixel</th></tr>\n";
-        for (const SplitVerdict& v : verdicts) {
+        for (const SplitResult& v : verdicts) {
             const auto pixel = [](int x, int y) { return "(" + std::to_string(x) + ", " + std::to_string(y) + ")"; };
             body_ += "<tr><td>" + escape_html(v.partition) + "</td><td class=\"" + answer_markup(v) +
                      "</td><td class=\"number\">" + std::to_string(v.layers.size()) + "</td><td class=\"number\">" +
                      number(v.largest_relative) + "</td><td>" + pixel(v.relative_x, v.relative_y) +
                      "</td><td class=\"number\">" + number(v.bound) + "</td><td class=\"number\">" +
-                     std::to_string(v.judged()) + " of " + std::to_string(v.pixels) + "</td><td class=\"number\">" +
+                     std::to_string(v.checked()) + " of " + std::to_string(v.pixels) + "</td><td class=\"number\">" +
                      number(v.largest_absolute) + "</td><td>" + pixel(v.absolute_x, v.absolute_y) + "</td></tr>\n";
         }
         body_ += "</table></div></details>\n";
@@ -182,10 +182,10 @@ class Page {
     const display::ColorManager& color_;
     const PageOptions& options_;
     PageLayers layers_;
-    const std::size_t bytes_of_words_;
+    const std::size_t bytes_of_path_strings_;
     std::string body_;
     std::size_t atlases_ = 0;
-    int judged_ = 0, failed_ = 0, open_ = 0;
+    int checked_ = 0, failed_ = 0, open_ = 0;
     std::size_t undecided_ = 0, pixels_ = 0;  ///< over all partitions
 };
 

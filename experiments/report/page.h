@@ -20,7 +20,7 @@ struct PageOptions {
 inline constexpr std::size_t page_bytes = 48'000'000;
 
 /// Approximate limit for the path strings of all atlases of a page together.
-inline constexpr std::size_t words_bytes = 24'000'000;
+inline constexpr std::size_t path_strings_bytes = 24'000'000;
 
 /// The page for images of any renderer, in the order given. Pictures are embedded, so the page fetches nothing. The
 /// statistics of NAME.exr come from NAME.json, if that exists. An atlas that follows the image of the same render adds

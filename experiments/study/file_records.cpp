@@ -81,8 +81,8 @@ std::string damage_of(const std::string& directory, const std::vector<FileRecord
     return {};
 }
 
-std::string damage_of(const Cell& cell) {
-    return cell.failed ? std::string() : damage_of(cell.directory, cell.files);
+std::string damage_of(const StudyRun& run) {
+    return run.failed ? std::string() : damage_of(run.directory, run.files);
 }
 
 std::string damage_of_reference(const std::string& directory) {

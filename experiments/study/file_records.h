@@ -18,7 +18,7 @@ Result<std::vector<FileRecord>> file_records(const std::string& directory);
 std::string damage_of(const std::string& directory, const std::vector<FileRecord>& files);
 
 /// Returns the damage of a finished cell. A failed cell has no files.
-std::string damage_of(const Cell& cell);
+std::string damage_of(const StudyRun& run);
 /// Returns the damage of a scene's reference, from its reference.json.
 std::string damage_of_reference(const std::string& directory);
 

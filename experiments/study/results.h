@@ -47,7 +47,7 @@ struct Phase {
 };
 
 /// The result of a partition's check in the cell's image file.
-struct PartitionVerdict {
+struct PartitionResult {
     std::string partition;
     bool holds = false;
     double worst_relative_error = 0;  ///< largest |sum - whole| relative to the bound's (sum of |layers| + |whole|)
@@ -66,7 +66,7 @@ struct OmittedPathsInfo {
 };
 
 /// One render: a scene, a method with settings, a budget and a unique seed.
-struct Cell {
+struct StudyRun {
     std::string id;  ///< SCENE.METHOD[.KEY=VALUE...].BUDGET.rREPLICATE; unique, valid as a file name
     std::string scene, method;
     NamedValues settings;  ///< swept keys with their values; equal for all cells of a variant
@@ -84,7 +84,7 @@ struct Cell {
     [[nodiscard]] double seconds(bool cpu_clock) const { return cpu_clock ? cpu_seconds : wall_seconds; }
     std::vector<Phase> phases;  ///< load, plan, build, prepare, render, write; for external renderers: process
     std::uint64_t rays = 0, invalid_samples = 0, peak_memory_bytes = 0;  ///< 0 if unknown (external renderers)
-    std::vector<PartitionVerdict> splits;
+    std::vector<PartitionResult> splits;
     std::string part_of;                             ///< the cell of which this is a part; empty: a whole cell
     std::uint64_t first_sample = 0, end_sample = 0;  ///< of a part: its samples of each pixel; the end is exclusive
     unsigned parts = 0;  ///< of a whole cell: number of parts it was merged from; times are sums
@@ -157,10 +157,10 @@ struct Experiment {
     std::vector<MethodInfo> methods;
     std::vector<Region> regions;
     std::vector<PartitionInfo> partitions;
-    std::vector<Cell> cells;           ///< finished and failed, in the order of the plan
+    std::vector<StudyRun> runs;        ///< finished and failed, in the order of the plan
     std::vector<std::string> missing;  ///< ids of planned cells without a result
-    std::vector<Cell> parts;           ///< parts of cells, finished and failed, by name, for merge
-    std::vector<Cell> planned;         ///< all planned cells, without results
+    std::vector<StudyRun> parts;       ///< parts of cells, finished and failed, by name, for merge
+    std::vector<StudyRun> planned;     ///< all planned cells, without results
     RunnerTime time;
 
     /// Returns a warning about other processes that used the machine during renders; empty if it was idle or if this is

@@ -20,15 +20,15 @@ namespace fs = std::filesystem;
 constexpr std::array budget_kinds{"samples", "seconds", "error"};
 
 /// The fields of a planned cell.
-void visit_plan(auto visit, Cell& cell) {
-    visit("id", cell.id);
-    visit("scene", cell.scene);
-    visit("method", cell.method);
-    visit("settings", cell.settings);
-    visit("budget_kind", cell.budget_kind);
-    visit("budget", cell.budget);
-    visit("replicate", cell.replicate);
-    visit("seed", cell.seed);
+void visit_plan(auto visit, StudyRun& run) {
+    visit("id", run.id);
+    visit("scene", run.scene);
+    visit("method", run.method);
+    visit("settings", run.settings);
+    visit("budget_kind", run.budget_kind);
+    visit("budget", run.budget);
+    visit("replicate", run.replicate);
+    visit("seed", run.seed);
 }
 
 /// A value as one of two texts.
@@ -54,29 +54,29 @@ static void from_json(const Json& json, BudgetKind& kind) {
         if (name == budget_kinds[i]) kind = static_cast<BudgetKind>(i);
 }
 
-static void visit_fields(auto visit, Cell& cell) {
-    visit_plan(visit, cell);
-    visit("state", OneOfTwo{cell.failed, "failed", "done"});
-    visit.optional("reason", cell.failure, cell.failed);
-    visit("samples_per_pixel", cell.samples_per_pixel);
-    visit("wall_seconds", cell.wall_seconds);
-    visit("cpu_seconds", cell.cpu_seconds);
-    visit("phases", cell.phases);
-    visit("rays", cell.rays);
-    visit("invalid_samples", cell.invalid_samples);
-    visit("peak_memory_bytes", cell.peak_memory_bytes);
-    visit("splits", cell.splits);
-    visit.optional("part_of", cell.part_of, !cell.part_of.empty());
-    visit.optional("first_sample", cell.first_sample, !cell.part_of.empty());
-    visit.optional("end_sample", cell.end_sample, !cell.part_of.empty());
-    visit.optional("parts", cell.parts, cell.parts > 0);
-    visit("isa", cell.isa);
-    visit("threads", cell.threads);
-    visit.optional("machine", cell.machine, !cell.machine.empty());
-    visit.optional("other_load", cell.other_load, cell.other_load >= 0);
-    visit("warnings", cell.warnings);
-    visit.optional("omits", cell.omits, !cell.omits.empty());
-    visit.optional("files", cell.files, !cell.failed);
+static void visit_fields(auto visit, StudyRun& run) {
+    visit_plan(visit, run);
+    visit("state", OneOfTwo{run.failed, "failed", "done"});
+    visit.optional("reason", run.failure, run.failed);
+    visit("samples_per_pixel", run.samples_per_pixel);
+    visit("wall_seconds", run.wall_seconds);
+    visit("cpu_seconds", run.cpu_seconds);
+    visit("phases", run.phases);
+    visit("rays", run.rays);
+    visit("invalid_samples", run.invalid_samples);
+    visit("peak_memory_bytes", run.peak_memory_bytes);
+    visit("splits", run.splits);
+    visit.optional("part_of", run.part_of, !run.part_of.empty());
+    visit.optional("first_sample", run.first_sample, !run.part_of.empty());
+    visit.optional("end_sample", run.end_sample, !run.part_of.empty());
+    visit.optional("parts", run.parts, run.parts > 0);
+    visit("isa", run.isa);
+    visit("threads", run.threads);
+    visit.optional("machine", run.machine, !run.machine.empty());
+    visit.optional("other_load", run.other_load, run.other_load >= 0);
+    visit("warnings", run.warnings);
+    visit.optional("omits", run.omits, !run.omits.empty());
+    visit.optional("files", run.files, !run.failed);
 }
 
 /// The fields of experiment.json before those of its run.
@@ -110,8 +110,8 @@ Json experiment_json(Experiment experiment) {
         {"total_seconds", experiment.time.total},         {"render_seconds", experiment.time.render},
         {"warm_up_seconds", experiment.time.warm_up},     {"reference_seconds", experiment.time.references},
         {"overhead_seconds", experiment.time.overhead()}, {"overhead_percent", experiment.time.overhead_percent()}};
-    Json& cells = json["cells"] = Json::array();
-    for (Cell& each : experiment.planned) visit_plan(FieldWriter(cells.emplace_back()), each);
+    Json& runs = json["cells"] = Json::array();
+    for (StudyRun& each : experiment.planned) visit_plan(FieldWriter(runs.emplace_back()), each);
     return json;
 }
 
@@ -154,24 +154,24 @@ std::string file_text(const std::string& path) {
 /// Reads the parts of planned cells, ordered by name.
 Status read_parts(Experiment& experiment) {
     std::set<std::string> planned;
-    for (const Cell& each : experiment.planned) planned.insert(each.id);
+    for (const StudyRun& each : experiment.planned) planned.insert(each.id);
     std::map<std::string, std::string> files;  // by name; finished rather than failed
     std::error_code failed;
     for (const char* folder : {"/failed", "/cells"})
         for (const fs::directory_entry& entry : fs::directory_iterator(experiment.directory + folder, failed)) {
             std::string name = entry.path().filename().string();
             if (folder == std::string("/failed") && name.ends_with(".json")) name.resize(name.size() - 5);
-            if (!planned.contains(cell_of_part(name))) continue;
+            if (!planned.contains(run_of_part(name))) continue;
             const std::string file =
                 folder == std::string("/failed") ? entry.path().string() : entry.path().string() + "/cell.json";
             if (fs::exists(file, failed)) files[name] = file;
         }
     for (const auto& [name, file] : files) {
-        auto part = read_cell_file(file);
+        auto part = read_run_file(file);
         if (!part) return part.error();
-        if (part->id != name || part->part_of != cell_of_part(name) || part->first_sample >= part->end_sample)
+        if (part->id != name || part->part_of != run_of_part(name) || part->first_sample >= part->end_sample)
             return error_at({file, 0, 0}, "this is not part '" + name + "' of a cell");
-        if (!part->failed) part->directory = cell_directory(experiment.directory, name);
+        if (!part->failed) part->directory = run_directory(experiment.directory, name);
         experiment.parts.push_back(std::move(*part));
     }
     return success();
@@ -182,10 +182,10 @@ Status read_parts(Experiment& experiment) {
 std::string Experiment::load_warning() const {
     constexpr double idle = 0.05;       // background services of an idle system use one or two per cent
     double load = 0, seconds = 1e-300;  // weighted by wall time
-    for (const Cell& cell : cells) {
-        if (cell.failed || cell.other_load < 0) continue;
-        load += cell.other_load * cell.wall_seconds;
-        seconds += cell.wall_seconds;
+    for (const StudyRun& run : runs) {
+        if (run.failed || run.other_load < 0) continue;
+        load += run.other_load * run.wall_seconds;
+        seconds += run.wall_seconds;
     }
     if (load / seconds <= idle) return {};
     return "the machine was not idle: other processes used " + std::to_string(std::lround(100 * load / seconds)) +
@@ -203,17 +203,17 @@ std::string budget_kind_name(BudgetKind kind) {
 std::string experiment_file(const std::string& directory) {
     return directory + "/experiment.json";
 }
-std::string cell_directory(const std::string& directory, const std::string& id) {
+std::string run_directory(const std::string& directory, const std::string& id) {
     return directory + "/cells/" + id;
 }
 std::string partial_directory(const std::string& directory, const std::string& id) {
-    return cell_directory(directory, id) + ".partial";
+    return run_directory(directory, id) + ".partial";
 }
 std::string failed_file(const std::string& directory, const std::string& id) {
     return directory + "/failed/" + id + ".json";
 }
 
-std::string cell_of_part(const std::string& name) {
+std::string run_of_part(const std::string& name) {
     const std::size_t dot = name.rfind(".p");
     if (dot == std::string::npos || dot == 0) return {};
     unsigned part = 0, parts = 0;
@@ -224,24 +224,25 @@ std::string cell_of_part(const std::string& name) {
     return no_parts == std::errc() && last == end && part >= 1 && part <= parts ? name.substr(0, dot) : std::string();
 }
 
-std::string cell_text(const Cell& cell) {
-    return text_of(cell);
+std::string run_text(const StudyRun& run) {
+    return text_of(run);
 }
 
-Result<Cell> cell_of_text(const std::string& text, const std::string& where) {
+Result<StudyRun> run_of_text(const std::string& text, const std::string& where) {
     try {
-        return parse_json(text).get<Cell>();
+        return parse_json(text).get<StudyRun>();
     } catch (const Json::exception& error) {
         return error_at({where, 0, 0}, std::string("this is not a cell: ") + error.what());
     }
 }
 
-Status write_cell_file(const std::string& path, const Cell& cell, display::FileSync sync) {
-    return display::write_text_file(path, cell_text(cell), sync);
+Status write_run_file(const std::string& path, const StudyRun& run, display::FileSync sync) {
+    return display::write_text_file(path, run_text(run), sync);
 }
 
-Result<Cell> read_cell_file(const std::string& path) {
-    return read_json(path, "the cell.json of an experiment's cell", [](const Json& json) { return json.get<Cell>(); });
+Result<StudyRun> read_run_file(const std::string& path) {
+    return read_json(path, "the cell.json of an experiment's cell",
+                     [](const Json& json) { return json.get<StudyRun>(); });
 }
 
 Status write_experiment_files(const Experiment& experiment) {
@@ -266,21 +267,21 @@ Result<Experiment> read_experiment(const std::string& directory) {
         read_json(path, "an experiment.json", [&](const Json& json) { return experiment_of(json, directory); });
     if (!experiment) return experiment;
     experiment->config_text = file_text(directory + "/config.toml");
-    for (const Cell& planned : experiment->planned) {
-        const std::string done = cell_directory(directory, planned.id), broken = failed_file(directory, planned.id);
+    for (const StudyRun& planned : experiment->planned) {
+        const std::string done = run_directory(directory, planned.id), broken = failed_file(directory, planned.id);
         const bool is_done = fs::exists(done + "/cell.json", failed);
         if (!is_done && !fs::exists(broken, failed)) {
             experiment->missing.push_back(planned.id);
             continue;
         }
-        auto cell = read_cell_file(is_done ? done + "/cell.json" : broken);
-        if (!cell) return cell.error();
-        if (cell->id != planned.id || cell->seed != planned.seed)
+        auto run = read_run_file(is_done ? done + "/cell.json" : broken);
+        if (!run) return run.error();
+        if (run->id != planned.id || run->seed != planned.seed)
             return error_at({is_done ? done + "/cell.json" : broken, 0, 0},
-                            "this is cell '" + cell->id + "' with seed " + std::to_string(cell->seed) +
+                            "this is cell '" + run->id + "' with seed " + std::to_string(run->seed) +
                                 "; the plan has '" + planned.id + "' with seed " + std::to_string(planned.seed));
-        if (is_done) cell->directory = done;
-        experiment->cells.push_back(std::move(*cell));
+        if (is_done) run->directory = done;
+        experiment->runs.push_back(std::move(*run));
     }
     if (Status s = read_parts(*experiment); !s) return s.error();
     return experiment;

@@ -27,10 +27,10 @@ RAYLEX_JSON_FIELDS(MethodInfo, name, integrator, command, unbiased, settings)
 RAYLEX_JSON_FIELDS(Region, name, scene, crop, mask_file)
 RAYLEX_JSON_FIELDS(PartitionInfo, name, of, channels)
 
-void visit_fields(auto visit, PartitionVerdict& verdict) {
-    visit("partition", verdict.partition);
-    visit("holds", verdict.holds);
-    visit("worst_relative_error", NullIsInfinite{verdict.worst_relative_error});
+void visit_fields(auto visit, PartitionResult& result) {
+    visit("partition", result.partition);
+    visit("holds", result.holds);
+    visit("worst_relative_error", NullIsInfinite{result.worst_relative_error});
 }
 
 void visit_fields(auto visit, SceneInfo& scene) {

@@ -36,7 +36,7 @@ struct ChannelSet::Content {
         return fresh;
     }
     bool add_fixed_sets() {
-        const WordSets words = renderer_word_sets();
+        const PathStringSets words = renderer_path_string_sets();
         bool fresh = false;
         for (const CoreSet& cores :
              {straight_cores(), wildcard_cores(Dialect::renderman), wildcard_cores(Dialect::osl)}) {
@@ -121,19 +121,20 @@ Result<Program> ChannelSet::add(std::span<const ChannelSource> added) {
 
         LanguageOptions language_options;
         language_options.state_cap = std::max(next.options.state_cap, limits::boolean_states);
-        language_options.renderer_words = !next.options.any_word;
+        language_options.renderer_path_strings = !next.options.any_path_string;
         Languages languages = build_languages(added, expressions, language_options);
         const std::vector<EventClass> map = class_map(*next.classes, *languages.classes);
-        const std::vector<Place> places = next.options.any_word ? std::vector<Place>{} : places_of(*next.classes);
+        const std::vector<ClassRole> roles =
+            next.options.any_path_string ? std::vector<ClassRole>{} : roles_of(*next.classes);
         bool fits = !next.leaves.empty();
         for (Dfa& dfa : languages.channels) {
             refine(dfa, map);
             const auto channel = static_cast<std::uint16_t>(next.leaves.size());
-            fits = fits && add_channel(next.grouping, {dfa, {{}, {channel}}}, places, next.options);
+            fits = fits && add_channel(next.grouping, {dfa, {{}, {channel}}}, roles, next.options);
             next.leaves.push_back(std::move(dfa));
         }
         if (!fits || table_states(next.grouping) > 2 * next.grouped_states + 256) {
-            next.grouping = group_channels(next.leaves, next.channels, places, next.options);
+            next.grouping = group_channels(next.leaves, next.channels, roles, next.options);
             next.grouped_states = table_states(next.grouping);
             next.regroupings += content_->leaves.empty() ? 0 : 1;
         }

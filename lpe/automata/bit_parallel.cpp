@@ -24,10 +24,10 @@ std::uint32_t width_of(std::size_t codes) {
 
 class BitPacker {
   public:
-    BitPacker(const std::vector<Group>& groups, const std::vector<Place>& places) : places_(places) {
+    BitPacker(const std::vector<Group>& groups, const std::vector<ClassRole>& roles) : roles_(roles) {
         std::array<std::uint32_t, ProgramView::parallel_widths> used{};
         for (const Group& group : groups) {
-            PackedAutomaton packed{&group, parallel_codes(group.dfa, places), {}};
+            PackedAutomaton packed{&group, parallel_codes(group.dfa, roles), {}};
             for (std::uint32_t code = 0; code < packed.codes.size(); ++code) {
                 packed.code_of.emplace(packed.codes[code], code);
             }
@@ -60,14 +60,14 @@ class BitPacker {
     }
 
     void write_masks() {
-        tables_.masks.assign(places_.size(), std::vector<std::uint32_t>(widths_.back().masks + 1, 0));
-        for (std::size_t k = 0; k < places_.size(); ++k) {
-            if (places_[k] != Place::camera && places_[k] != Place::scattering) { continue; }
+        tables_.masks.assign(roles_.size(), std::vector<std::uint32_t>(widths_.back().masks + 1, 0));
+        for (std::size_t k = 0; k < roles_.size(); ++k) {
+            if (roles_[k] != ClassRole::camera && roles_[k] != ClassRole::scattering) { continue; }
             tables_.masks[k].back() = can_die_ ? 0 : 1;
             for (const PackedAutomaton& packed : automata_) {
                 const Dfa& dfa = packed.group->dfa;
                 for (std::uint32_t code = 0; code < packed.codes.size(); ++code) {
-                    const std::uint32_t from = places_[k] == Place::camera ? dfa.start : packed.codes[code];
+                    const std::uint32_t from = roles_[k] == ClassRole::camera ? dfa.start : packed.codes[code];
                     set_mask(tables_.masks[k], packed, code,
                              packed.code_of.at(dfa.step(from, static_cast<EventClass>(k))));
                 }
@@ -78,9 +78,9 @@ class BitPacker {
     /// Numbers the terminals that differ in what the automata accept; 0xFFFF where none accepts anything.
     std::vector<std::uint16_t> write_terminals() {
         std::map<std::vector<std::uint32_t>, std::uint16_t> seen;
-        std::vector<std::uint16_t> terminal_of_class(places_.size(), no_terminal);
-        for (std::size_t k = 0; k < places_.size(); ++k) {
-            if (places_[k] != Place::terminal) { continue; }
+        std::vector<std::uint16_t> terminal_of_class(roles_.size(), no_terminal);
+        for (std::size_t k = 0; k < roles_.size(); ++k) {
+            if (roles_[k] != ClassRole::terminal) { continue; }
             std::vector<std::uint32_t> outputs;
             for (const PackedAutomaton& packed : automata_) {
                 for (const std::uint32_t state : packed.codes) {
@@ -145,17 +145,17 @@ class BitPacker {
         for (std::uint32_t t = 0; t < terminals_; ++t) {
             dfa.next[on_the_way * dfa.columns + 3 + t] = BitParallelTables::first_ended + t;
         }
-        for (std::size_t k = 0; k < places_.size(); ++k) {
+        for (std::size_t k = 0; k < roles_.size(); ++k) {
             const bool ends = terminal_of_class[k] != no_terminal;
-            dfa.column_of_class.push_back(static_cast<std::uint16_t>(places_[k] == Place::camera       ? 1
-                                                                     : places_[k] == Place::scattering ? 2
+            dfa.column_of_class.push_back(static_cast<std::uint16_t>(roles_[k] == ClassRole::camera       ? 1
+                                                                     : roles_[k] == ClassRole::scattering ? 2
                                                                      : ends ? 3 + terminal_of_class[k]
                                                                             : 0));
         }
     }
 
     static constexpr std::uint16_t no_terminal = 0xFFFF;
-    const std::vector<Place>& places_;
+    const std::vector<ClassRole>& roles_;
     std::vector<PackedAutomaton> automata_;
     ProgramView::Widths widths_{};
     bool can_die_ = false;                           // all words 0 underway: no automaton can accept any more
@@ -166,13 +166,13 @@ class BitPacker {
 
 }  // namespace
 
-BitParallelTables pack_bit_parallel(const std::vector<Group>& automata, const std::vector<Place>& places) {
-    return BitPacker(automata, places).run();
+BitParallelTables pack_bit_parallel(const std::vector<Group>& automata, const std::vector<ClassRole>& roles) {
+    return BitPacker(automata, roles).run();
 }
 
-std::size_t parallel_word_count(const std::vector<Group>& automata, const std::vector<Place>& places) {
+std::size_t parallel_word_count(const std::vector<Group>& automata, const std::vector<ClassRole>& roles) {
     std::array<std::size_t, ProgramView::parallel_widths> count{};
-    for (const Group& group : automata) { ++count[width_of(parallel_codes(group.dfa, places).size())]; }
+    for (const Group& group : automata) { ++count[width_of(parallel_codes(group.dfa, roles).size())]; }
     std::size_t words = 0;
     for (std::size_t width = 0; width < count.size(); ++width) { words += (width + 1) * ((count[width] + 31) / 32); }
     return words;

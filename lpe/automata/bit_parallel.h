@@ -21,9 +21,10 @@ struct BitParallelTables {
     static constexpr std::uint32_t first_ended = 3;                   ///< state of `phase` for terminal 0
 };
 
-[[nodiscard]] BitParallelTables pack_bit_parallel(const std::vector<Group>& automata, const std::vector<Place>& places);
+[[nodiscard]] BitParallelTables pack_bit_parallel(const std::vector<Group>& automata,
+                                                  const std::vector<ClassRole>& roles);
 
 /// Words of a path's state that these automata take, without the phase.
-[[nodiscard]] std::size_t parallel_word_count(const std::vector<Group>& automata, const std::vector<Place>& places);
+[[nodiscard]] std::size_t parallel_word_count(const std::vector<Group>& automata, const std::vector<ClassRole>& roles);
 
 }  // namespace raylex::lpe

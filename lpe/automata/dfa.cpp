@@ -150,7 +150,7 @@ std::optional<Dfa> product(const Dfa& a, const Dfa& b, const Combination& combin
     return result;
 }
 
-std::optional<std::vector<EventClass>> shortest_word(const Dfa& dfa, bool (*wanted)(std::uint32_t output)) {
+std::optional<std::vector<EventClass>> shortest_path_string(const Dfa& dfa, bool (*wanted)(std::uint32_t output)) {
     // The lowest class of each column. Columns are visited in that order because the simplest classes have the lowest
     // numbers.
     std::vector<EventClass> class_of_column(dfa.columns);

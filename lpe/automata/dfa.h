@@ -58,7 +58,7 @@ struct Combination {
                                          std::size_t state_cap);
 
 /// The shortest word of classes whose output satisfies `wanted`; ties go to the lowest classes.
-[[nodiscard]] std::optional<std::vector<EventClass>> shortest_word(const Dfa& dfa,
-                                                                   bool (*wanted)(std::uint32_t output));
+[[nodiscard]] std::optional<std::vector<EventClass>> shortest_path_string(const Dfa& dfa,
+                                                                          bool (*wanted)(std::uint32_t output));
 
 }  // namespace raylex::lpe

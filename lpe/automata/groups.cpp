@@ -138,12 +138,12 @@ std::string channel_names(const Group& group, std::span<const ChannelSource> cha
 
 /// The states between camera and terminal, without the dead one, in breadth-first order; `dies`: some of them, or the
 /// camera event, may lead to the dead state. Stops above `most`.
-std::vector<std::uint32_t> interior_states(const Dfa& dfa, const std::vector<Place>& places, std::size_t most,
+std::vector<std::uint32_t> interior_states(const Dfa& dfa, const std::vector<ClassRole>& roles, std::size_t most,
                                            bool& dies) {
     std::vector<std::uint16_t> camera, scattering;
-    for (std::size_t k = 0; k < places.size(); ++k) {
-        if (places[k] == Place::camera || places[k] == Place::scattering) {
-            (places[k] == Place::camera ? camera : scattering).push_back(dfa.column_of_class[k]);
+    for (std::size_t k = 0; k < roles.size(); ++k) {
+        if (roles[k] == ClassRole::camera || roles[k] == ClassRole::scattering) {
+            (roles[k] == ClassRole::camera ? camera : scattering).push_back(dfa.column_of_class[k]);
         }
     }
     for (std::vector<std::uint16_t>* columns : {&camera, &scattering}) {
@@ -173,16 +173,16 @@ class LateExits {
   public:
     using Signature = std::set<std::uint32_t>;
 
-    explicit LateExits(const std::vector<Place>& places) : places_(places) {
-        for (std::size_t k = 0; k < places.size(); ++k) {
-            if (places[k] == Place::scattering) { scatterings_.push_back(static_cast<EventClass>(k)); }
+    explicit LateExits(const std::vector<ClassRole>& roles) : roles_(roles) {
+        for (std::size_t k = 0; k < roles.size(); ++k) {
+            if (roles[k] == ClassRole::scattering) { scatterings_.push_back(static_cast<EventClass>(k)); }
         }
     }
 
     Signature of(const Dfa& dfa) {
         bool dies = false;
         constexpr std::size_t most = 64;
-        const std::vector<std::uint32_t> states = interior_states(dfa, places_, most, dies);
+        const std::vector<std::uint32_t> states = interior_states(dfa, roles_, most, dies);
         Signature signature;
         if (states.size() > most) { return signature; }  // far too large for bits, whatever it waits for
         // States of the table are numbered as in `states`, from 1 on. A state is on a cycle if it leads to itself.
@@ -207,7 +207,7 @@ class LateExits {
     }
 
   private:
-    const std::vector<Place>& places_;
+    const std::vector<ClassRole>& roles_;
     std::vector<EventClass> scatterings_;
     std::map<std::vector<EventClass>, std::uint32_t> index_;
 };
@@ -221,29 +221,29 @@ struct Family {
 
 /// Events before the terminal on which every automaton dies (such as user events that none names) end the whole path,
 /// so that no automaton needs a code for the dead state because of them.
-std::vector<Place> without_deadly(const std::vector<Group>& automata, std::vector<Place> places) {
-    std::vector<bool> always_dies(places.size());
-    for (std::size_t k = 0; k < places.size(); ++k) {
-        always_dies[k] = places[k] == Place::scattering || places[k] == Place::camera;
+std::vector<ClassRole> without_deadly(const std::vector<Group>& automata, std::vector<ClassRole> roles) {
+    std::vector<bool> always_dies(roles.size());
+    for (std::size_t k = 0; k < roles.size(); ++k) {
+        always_dies[k] = roles[k] == ClassRole::scattering || roles[k] == ClassRole::camera;
     }
     for (const Group& automaton : automata) {
         bool dies = false;
-        for (const std::uint32_t state : interior_states(automaton.dfa, places, code_limit, dies)) {
-            for (std::size_t k = 0; k < places.size(); ++k) {
-                const std::uint32_t from = places[k] == Place::camera ? automaton.dfa.start : state;
+        for (const std::uint32_t state : interior_states(automaton.dfa, roles, code_limit, dies)) {
+            for (std::size_t k = 0; k < roles.size(); ++k) {
+                const std::uint32_t from = roles[k] == ClassRole::camera ? automaton.dfa.start : state;
                 always_dies[k] = always_dies[k] && automaton.dfa.step(from, static_cast<EventClass>(k)) == 0;
             }
         }
     }
-    for (std::size_t k = 0; k < places.size(); ++k) { places[k] = always_dies[k] ? Place::nowhere : places[k]; }
-    return places;
+    for (std::size_t k = 0; k < roles.size(); ++k) { roles[k] = always_dies[k] ? ClassRole::nowhere : roles[k]; }
+    return roles;
 }
 
 /// Tries three ways to divide the families between tables and bit-parallel automata.
 class Packer {
   public:
-    Packer(std::span<const Group> leaves, const std::vector<Place>& places, const CompileOptions& options)
-        : leaves_(leaves), places_(places), options_(options) {}
+    Packer(std::span<const Group> leaves, const std::vector<ClassRole>& roles, const CompileOptions& options)
+        : leaves_(leaves), roles_(roles), options_(options) {}
 
     Grouping run() {
         sort_into_families();
@@ -269,16 +269,16 @@ class Packer {
 
   private:
     void sort_into_families() {
-        LateExits exits(places_);
+        LateExits exits(roles_);
         for (std::size_t k = 0; k < leaves_.size(); ++k) { families_[exits.of(leaves_[k].dfa)].members.push_back(k); }
         for (auto& [signature, family] : families_) {
             const bool all_small = std::all_of(family.members.begin(), family.members.end(), [&](std::size_t k) {
-                return !parallel_codes(leaves_[k].dfa, places_).empty();
+                return !parallel_codes(leaves_[k].dfa, roles_).empty();
             });
             if (!all_small) { continue; }
             for (const std::size_t k : family.members) { add_automaton(family.parallel, leaves_[k]); }
             constexpr std::size_t two_bits = 4;
-            family.wide = parallel_codes(family.parallel.front().dfa, places_).size() > two_bits;
+            family.wide = parallel_codes(family.parallel.front().dfa, roles_).size() > two_bits;
         }
     }
 
@@ -286,7 +286,7 @@ class Packer {
         if (!automata.empty()) {
             const std::size_t cap = code_limit + 2 + automata.back().lists.size() * 2;  // with start and ends
             std::optional<Group> both = merged(automata.back(), leaf, cap);
-            if (both && !parallel_codes(both->dfa, places_).empty()) {
+            if (both && !parallel_codes(both->dfa, roles_).empty()) {
                 automata.back() = std::move(*both);
                 return;
             }
@@ -309,7 +309,7 @@ class Packer {
         std::vector<Group> leaves;
         for (const std::size_t k : members) { leaves.push_back(leaves_[k]); }
         grouping.tables = *merge_balanced(leaves, options_.state_cap, leaves.size() + 1);
-        grouping.parallel_places = without_deadly(grouping.parallel, places_);
+        grouping.parallel_roles = without_deadly(grouping.parallel, roles_);
         move_to_tables(grouping);
         return grouping;
     }
@@ -318,13 +318,13 @@ class Packer {
     /// states together are one small table.
     void move_to_tables(Grouping& grouping) const {
         const auto codes = [&](const Group& automaton) {
-            return parallel_codes(automaton.dfa, grouping.parallel_places).size();
+            return parallel_codes(automaton.dfa, grouping.parallel_roles).size();
         };
         if (!grouping.tables.empty()) {
             std::erase_if(grouping.parallel, [&](const Group& automaton) {
                 return codes(automaton) > 2 && join_cheaply(grouping.tables.front(), automaton, options_);
             });
-            grouping.parallel_places = without_deadly(grouping.parallel, places_);
+            grouping.parallel_roles = without_deadly(grouping.parallel, roles_);
         }
         std::size_t states = 1;
         for (const Group& automaton : grouping.parallel) {
@@ -341,51 +341,51 @@ class Packer {
 
     static std::size_t words(const Grouping& grouping) {
         return grouping.tables.size() +
-               (grouping.parallel.empty() ? 0 : 1 + parallel_word_count(grouping.parallel, grouping.parallel_places));
+               (grouping.parallel.empty() ? 0 : 1 + parallel_word_count(grouping.parallel, grouping.parallel_roles));
     }
 
     std::span<const Group> leaves_;
-    const std::vector<Place>& places_;
+    const std::vector<ClassRole>& roles_;
     const CompileOptions& options_;
     std::map<LateExits::Signature, Family> families_;
 };
 
 }  // namespace
 
-std::vector<Place> places_of(const EventClasses& classes) {
-    const WordSets sets = renderer_word_sets();
-    std::vector<Place> places;
+std::vector<ClassRole> roles_of(const EventClasses& classes) {
+    const PathStringSets sets = renderer_path_string_sets();
+    std::vector<ClassRole> roles;
     for (std::size_t k = 0; k < classes.count(); ++k) {
         const Event& event = classes.example(static_cast<EventClass>(k));
-        places.push_back(matches(sets.camera, event)       ? Place::camera
-                         : matches(sets.scattering, event) ? Place::scattering
-                         : matches(sets.terminal, event)   ? Place::terminal
-                                                           : Place::nowhere);
+        roles.push_back(matches(sets.camera, event)       ? ClassRole::camera
+                        : matches(sets.scattering, event) ? ClassRole::scattering
+                        : matches(sets.terminal, event)   ? ClassRole::terminal
+                                                          : ClassRole::nowhere);
     }
-    return places;
+    return roles;
 }
 
-std::vector<std::uint32_t> parallel_codes(const Dfa& dfa, const std::vector<Place>& places) {
+std::vector<std::uint32_t> parallel_codes(const Dfa& dfa, const std::vector<ClassRole>& roles) {
     bool dies = false;
-    std::vector<std::uint32_t> states = interior_states(dfa, places, code_limit, dies);
+    std::vector<std::uint32_t> states = interior_states(dfa, roles, code_limit, dies);
     if (dies || states.empty()) { states.insert(states.begin(), 0); }
     if (states.size() > code_limit) { states.clear(); }
     return states;
 }
 
 Grouping group_channels(std::vector<Dfa> dfas, std::span<const ChannelSource> channels,
-                        const std::vector<Place>& places, const CompileOptions& options) {
+                        const std::vector<ClassRole>& roles, const CompileOptions& options) {
     std::vector<Group> leaves;
     for (std::size_t k = 0; k < dfas.size(); ++k) {
         leaves.push_back({std::move(dfas[k]), {{}, {static_cast<std::uint16_t>(k)}}});
     }
     Grouping grouping;
     if (leaves.empty()) { return grouping; }
-    const std::size_t most = places.empty() ? leaves.size() + 1 : std::min(fewest_words, options.group_cap);
+    const std::size_t most = roles.empty() ? leaves.size() + 1 : std::min(fewest_words, options.group_cap);
     if (std::optional<std::vector<Group>> tables = merge_balanced(leaves, options.state_cap, most)) {
         grouping.tables = std::move(*tables);
     } else {
-        grouping = Packer(leaves, places, options).run();
+        grouping = Packer(leaves, roles, options).run();
     }
     if (grouping.tables.size() > options.group_cap) {
         merge_smallest(grouping.tables, options.group_cap, options.state_cap);
@@ -394,18 +394,19 @@ Grouping group_channels(std::vector<Dfa> dfas, std::span<const ChannelSource> ch
     return grouping;
 }
 
-bool add_channel(Grouping& grouping, Group channel, const std::vector<Place>& places, const CompileOptions& options) {
+bool add_channel(Grouping& grouping, Group channel, const std::vector<ClassRole>& roles,
+                 const CompileOptions& options) {
     constexpr std::size_t one_bit = 2;
     bool joins = false;
     for (Group& table : grouping.tables) { joins = joins || join_cheaply(table, channel, options); }
-    if (!joins && !places.empty() && !grouping.parallel.empty()) {
+    if (!joins && !roles.empty() && !grouping.parallel.empty()) {
         std::vector<Group> automata = grouping.parallel;
         automata.push_back(channel);
-        std::vector<Place> seen = without_deadly(automata, places);
+        std::vector<ClassRole> seen = without_deadly(automata, roles);
         const std::size_t codes = parallel_codes(channel.dfa, seen).size();
         if (codes != 0 && codes <= one_bit) {
             grouping.parallel = std::move(automata);
-            grouping.parallel_places = std::move(seen);
+            grouping.parallel_roles = std::move(seen);
             return true;
         }
     }
@@ -413,7 +414,7 @@ bool add_channel(Grouping& grouping, Group channel, const std::vector<Place>& pl
         if (grouping.tables.size() >= std::min(fewest_words, options.group_cap)) { return false; }
         grouping.tables.push_back(std::move(channel));
     }
-    if (!grouping.parallel.empty()) { grouping.parallel_places = without_deadly(grouping.parallel, places); }
+    if (!grouping.parallel.empty()) { grouping.parallel_roles = without_deadly(grouping.parallel, roles); }
     return true;
 }
 

@@ -38,29 +38,29 @@ struct Group {
 };
 
 /// Where in a word of a renderer, C scatter* terminal, the events of a class can stand.
-enum class Place : std::uint8_t { nowhere, camera, scattering, terminal };
-[[nodiscard]] std::vector<Place> places_of(const EventClasses& classes);
+enum class ClassRole : std::uint8_t { nowhere, camera, scattering, terminal };
+[[nodiscard]] std::vector<ClassRole> roles_of(const EventClasses& classes);
 
 inline constexpr std::size_t code_limit = 8;
 
 /// The states that a path underway can be in, the dead one first if it can; empty when they are more than the codes of
 /// a bit-parallel automaton.
-[[nodiscard]] std::vector<std::uint32_t> parallel_codes(const Dfa& dfa, const std::vector<Place>& places);
+[[nodiscard]] std::vector<std::uint32_t> parallel_codes(const Dfa& dfa, const std::vector<ClassRole>& roles);
 
 struct Grouping {
     std::vector<Group> tables;
     std::vector<Group> parallel;
-    std::vector<Place> parallel_places;  ///< without events on which all of `parallel` die
+    std::vector<ClassRole> parallel_roles;  ///< without events on which all of `parallel` die
 };
 
 /// Channel k accepts by dfas[k]. Where `places` is not empty, all are cut to words of a renderer; only then are there
 /// bit-parallel automata. Throws Failure naming the channels when they fit in no way that the options allow.
 [[nodiscard]] Grouping group_channels(std::vector<Dfa> dfas, std::span<const ChannelSource> channels,
-                                      const std::vector<Place>& places, const CompileOptions& options);
+                                      const std::vector<ClassRole>& roles, const CompileOptions& options);
 
 /// Puts one more channel (a group of its own) where it hardly adds to what is there: into a table, beside the
 /// bit-parallel automata if it takes one bit, or into a table of its own. False, and nothing done, if none of these.
-[[nodiscard]] bool add_channel(Grouping& grouping, Group channel, const std::vector<Place>& places,
+[[nodiscard]] bool add_channel(Grouping& grouping, Group channel, const std::vector<ClassRole>& roles,
                                const CompileOptions& options);
 
 }  // namespace raylex::lpe

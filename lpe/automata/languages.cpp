@@ -46,7 +46,7 @@ NodePtr any_number_of(EventSet events) {
 
 /// C scatter* (L | O | B); with at most n scatterings C s* (scatter s*){0,n} (L | O | B), where s is a pass-through
 /// event.
-NodePtr words_tree(WordSets sets) {
+NodePtr path_strings_tree(PathStringSets sets) {
     NodePtr tree = make_node(NodeKind::sequence);
     tree->children.push_back(make_event(std::move(sets.camera)));
     if (!sets.max_depth) {
@@ -123,7 +123,7 @@ namespace {
 struct ChannelBuild {
     const EventClasses& classes;
     const ClassSet &straight, &renderman, &osl;  ///< members of the classes' sets
-    const Dfa* renderer_words;                   ///< restrict channels to these words; nullptr: no restriction
+    const Dfa* renderer_path_strings;            ///< restrict channels to these words; nullptr: no restriction
     std::size_t state_cap;
 };
 
@@ -133,8 +133,8 @@ Dfa build_channel(const Expression& expression, const ChannelBuild& build) {
     Dfa dfa = build_dfa(*expression.root, {&build.classes, renderman ? &build.renderman : &build.osl, &work},
                         build.state_cap);
     if (renderman) { ignore_straight_events(dfa, build.straight); }
-    if (build.renderer_words == nullptr) { return dfa; }
-    const std::optional<Dfa> cut = product(dfa, *build.renderer_words, intersection_of(), 4 * build.state_cap);
+    if (build.renderer_path_strings == nullptr) { return dfa; }
+    const std::optional<Dfa> cut = product(dfa, *build.renderer_path_strings, intersection_of(), 4 * build.state_cap);
     if (!cut) { fail("the expression needs too large a table", "use smaller repetition counts and fewer labels"); }
     return minimized(*cut);
 }
@@ -154,8 +154,8 @@ Languages build_languages(std::span<const ChannelSource> channels, std::span<Exp
                           const LanguageOptions& options) {
     const bool has_rest =
         std::any_of(channels.begin(), channels.end(), [](const ChannelSource& c) { return !c.rest_of.empty(); });
-    const Words everything;
-    const Words* words = options.words != nullptr ? options.words : has_rest ? &everything : nullptr;
+    const PathStrings everything;
+    const PathStrings* words = options.words != nullptr ? options.words : has_rest ? &everything : nullptr;
 
     SetTable table;
     for (Expression& expression : expressions) {
@@ -164,30 +164,30 @@ Languages build_languages(std::span<const ChannelSource> channels, std::span<Exp
     const std::size_t straight_set = table.add(set_of_cores(straight_cores()));
     const std::size_t renderman_set = table.add(set_of_cores(wildcard_cores(Dialect::renderman)));
     const std::size_t osl_set = table.add(set_of_cores(wildcard_cores(Dialect::osl)));
-    NodePtr words_root;
+    NodePtr path_strings_root;
     if (words != nullptr) {
-        words_root = words_tree(word_sets(*words, options.skip_reserved_labels, table.sets()));
-        table.add_tree(*words_root);
+        path_strings_root = path_strings_tree(path_string_sets(*words, options.skip_reserved_labels, table.sets()));
+        table.add_tree(*path_strings_root);
     }
     NodePtr renderer_root;
-    if (options.renderer_words) {
-        renderer_root = words_tree(renderer_word_sets());
+    if (options.renderer_path_strings) {
+        renderer_root = path_strings_tree(renderer_path_string_sets());
         table.add_tree(*renderer_root);
     }
     Languages languages;
     languages.classes = std::make_unique<EventClasses>(table.take());
     const EventClasses& classes = *languages.classes;
-    const auto built_words = [&](const NodePtr& root) {
+    const auto built_path_strings = [&](const NodePtr& root) {
         WorkMeter work;
         return build_dfa(*root, {&classes, &classes.members(osl_set), &work}, options.state_cap);
     };
-    if (words_root) { languages.words = built_words(words_root); }
-    const Dfa renderer_words = renderer_root ? built_words(renderer_root) : Dfa{};
+    if (path_strings_root) { languages.words = built_path_strings(path_strings_root); }
+    const Dfa renderer_path_strings = renderer_root ? built_path_strings(renderer_root) : Dfa{};
     const ChannelBuild build{classes,
                              classes.members(straight_set),
                              classes.members(renderman_set),
                              classes.members(osl_set),
-                             renderer_root ? &renderer_words : nullptr,
+                             renderer_root ? &renderer_path_strings : nullptr,
                              options.state_cap};
     for (std::size_t k = 0; k < channels.size(); ++k) {
         languages.channels.push_back(empty_dfa(classes.count()));

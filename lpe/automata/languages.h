@@ -11,8 +11,8 @@
 #include "lpe/automata/dfa.h"
 #include "lpe/language/ast.h"
 #include "lpe/language/event_classes.h"
+#include "lpe/path_strings.h"
 #include "lpe/program.h"
-#include "lpe/words.h"
 
 namespace raylex::lpe {
 
@@ -24,12 +24,12 @@ struct Languages {
 
 struct LanguageOptions {
     std::size_t state_cap = 50'000;
-    const Words* words = nullptr;  ///< restrict W to these, and build it too
+    const PathStrings* words = nullptr;  ///< restrict W to these, and build it too
     /// Leaves labels that OSL's wildcards refuse (named "D", "x", ...) out of W. Proofs about osl channels need this;
     /// otherwise no channel could equal the beauty.
     bool skip_reserved_labels = false;
     BarReading bar = BarReading::tight;
-    bool renderer_words = false;  ///< restrict every channel to the words that a renderer can report
+    bool renderer_path_strings = false;  ///< restrict every channel to the words that a renderer can report
 };
 
 /// Parses every channel and builds its automaton. A channel with `rest_of` gets W minus the union of those channels.
@@ -45,16 +45,16 @@ struct LanguageOptions {
                          std::size_t class_count, const std::string& what);
 
 /// The event sets of W: camera, scattering, terminals.
-struct WordSets {
+struct PathStringSets {
     EventSet camera, scattering, terminal;
     EventSet straight;             ///< with max_depth: events that do not count; `scattering` has none of them
     std::optional<int> max_depth;  ///< limit on repetitions of `scattering`
 };
-/// The event sets of W. If W has an alphabet, only one of several events is listed that all sets in `told_apart` treat
-/// alike, because a proof cannot distinguish them.
-[[nodiscard]] WordSets word_sets(const Words& words, bool skip_reserved_labels,
-                                 std::span<const EventSet> told_apart = {});
+/// The event sets of W. If W has an alphabet, only one of several events is listed that all sets in `distinguished`
+/// treat alike, because a proof cannot distinguish them.
+[[nodiscard]] PathStringSets path_string_sets(const PathStrings& words, bool skip_reserved_labels,
+                                              std::span<const EventSet> distinguished = {});
 /// All words that a renderer can report, with user events and with any labels and lobe numbers.
-[[nodiscard]] WordSets renderer_word_sets();
+[[nodiscard]] PathStringSets renderer_path_string_sets();
 
 }  // namespace raylex::lpe

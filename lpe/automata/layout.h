@@ -14,7 +14,8 @@ namespace raylex::lpe {
                                     std::span<const ChannelSource> channels, const CompileOptions& options);
 
 /// Groups the channels, then arranges them. Channel k accepts by dfas[k], minimal over `classes` and, unless
-/// CompileOptions::any_word, restricted to words of a renderer. Throws Failure when the options permit no arrangement.
+/// CompileOptions::any_path_string, restricted to words of a renderer. Throws Failure when the options permit no
+/// arrangement.
 [[nodiscard]] ProgramTables lay_out(const EventClasses& classes, std::vector<Dfa> dfas,
                                     std::span<const ChannelSource> channels, const CompileOptions& options);
 

@@ -313,7 +313,7 @@ Dfa required(std::optional<Dfa> dfa, WorkMeter& work) {
 }
 
 /// The automaton of every word over the universe's classes.
-Dfa all_words(const ClassLookup& lookup) {
+Dfa all_path_strings(const ClassLookup& lookup) {
     Dfa dfa;
     for (std::size_t k = 0; k < lookup.classes->count(); ++k) {
         dfa.column_of_class.push_back((*lookup.universe)[k] ? 1 : 0);
@@ -343,7 +343,7 @@ const Dfa& Nfa::build_boolean(const Node& node) {
     Dfa second;
     Combination combination = difference_of();
     if (node.kind == NodeKind::complement) {
-        second = std::exchange(first, all_words(lookup_));
+        second = std::exchange(first, all_path_strings(lookup_));
     } else {
         second = build_node(*node.children.back(), lookup_, state_cap_, cache_);
         combination = node.kind == NodeKind::intersection ? intersection_of() : difference_of();

@@ -189,7 +189,7 @@ void join(benchmark::State& state, const std::string& set) {
             for (std::size_t k = 0; k <= depth; ++k) {
                 const EventClass event = k == 0 ? terminals[path] : scattering[(path + k) % paths.size()];
                 reversed->prepend(light.data(), event, light.data());
-                accepted += reversed->join(camera, light.data(), whole.data());
+                accepted += reversed->connect(camera, light.data(), whole.data());
             }
         }
     }
@@ -200,7 +200,7 @@ void join(benchmark::State& state, const std::string& set) {
 void prove(benchmark::State& state, const std::vector<ChannelSource>& channels) {
     for (auto _ : state) {
         const auto report = check_partition(channels);
-        if (!report || report->verdict != Verdict::partition) {
+        if (!report || report->result != SplitProof::partition) {
             state.SkipWithError(report ? report->summary.c_str() : report.error().message.c_str());
             return;
         }

@@ -156,7 +156,7 @@ class Generator {
             fail("the split has more than " + std::to_string(most_channels) + " channels; expected fewer bins");
         }
         const bool may_be_empty = !whole_.empty() || request_.words.alphabet.has_value();
-        if (may_be_empty && !required(find_word(channel, request_.words))) {
+        if (may_be_empty && !required(find_path_string(channel, request_.words))) {
             ++empty_;
             return;
         }
@@ -183,7 +183,7 @@ class Generator {
 
     void prove() {
         PartitionReport report = required(check_partition(split_.channels, split_.of, request_.words));
-        if (report.verdict != Verdict::partition) {
+        if (report.result != SplitProof::partition) {
             fail("this split is not a partition: " + report.summary,
                  "a label that equals a letter of the dialect causes this");
         }

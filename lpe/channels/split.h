@@ -12,9 +12,9 @@
 #include <string_view>
 #include <vector>
 
+#include "lpe/path_strings.h"
 #include "lpe/program.h"
 #include "lpe/result.h"
-#include "lpe/words.h"
 
 namespace raylex::lpe {
 
@@ -41,7 +41,7 @@ struct SplitRequest {
     std::optional<ChannelSource> of;   ///< the expression to split; the beauty when absent
     Dialect dialect = Dialect::renderman;
     std::string prefix;  ///< prefix of every name
-    Words words;         ///< the W of the proof; bins without a word of it are left out
+    PathStrings words;   ///< the W of the proof; bins without a word of it are left out
 };
 
 struct Split {

@@ -18,7 +18,7 @@ struct LobeItem {
     CoreSet cores;
 };
 
-CoreSet scattering_cores(const Words& words) {
+CoreSet scattering_cores(const PathStrings& words) {
     CoreSet cores;
     for (const EventType type : {EventType::reflection, EventType::transmission}) {
         for (const Scatter scatter : {Scatter::diffuse, Scatter::glossy, Scatter::singular}) {

@@ -86,14 +86,14 @@ std::vector<std::string> layers_of(const ExrImage& image) {
 }
 
 /// Compares every layer of `asked` with that of `rendered`, relative to the sum of all layers' magnitudes.
-double largest_difference(const ExrImage& asked, const ExrImage& rendered) {
+double largest_difference(const ExrImage& requested, const ExrImage& rendered) {
     const std::vector<std::string> names = layers_of(rendered);
-    CHECK(layers_of(asked) == names);
+    CHECK(layers_of(requested) == names);
     double largest = 0;
     for (const char* component : {"R", "G", "B"}) {
         std::vector<double> sum, difference;
         for (const std::string& name : names) {
-            const std::vector<float> a = plane(asked, name, component), b = plane(rendered, name, component);
+            const std::vector<float> a = plane(requested, name, component), b = plane(rendered, name, component);
             sum.resize(a.size());
             difference.resize(a.size());
             for (std::size_t i = 0; i < a.size(); ++i) {
@@ -136,9 +136,9 @@ TEST_CASE("layers from an atlas equal rendered ones: random expressions and part
             const Outcome rendered = run_raylex(folder, "render job.toml " + how + " -o rendered.exr" + wishes);
             INFO(wishes << rendered.err);
             REQUIRE(rendered.code == 0);
-            const Outcome asked = run_raylex(folder, "ask kept.atlas.exr -o asked.exr" + wishes);
-            INFO(asked.err);
-            REQUIRE(asked.code == 0);
+            const Outcome requested = run_raylex(folder, "ask kept.atlas.exr -o asked.exr" + wishes);
+            INFO(requested.err);
+            REQUIRE(requested.code == 0);
             const ExrImage a = image_of(folder, "asked.exr"), b = image_of(folder, "rendered.exr");
             // Words, their sum and the rendered layer are each rounded to float once, 2^-24 of the layer at most, and
             // every pixel's light is in a layer of two partitions: 3 2^-24 / 2 of the sum of the layers.
@@ -163,9 +163,9 @@ TEST_CASE("an atlas by technique gives the light of each technique, and its word
     const Outcome rendered = run_raylex(folder, "render job.toml --integrator bdpt --spp 16 -o rendered.exr" + wishes);
     INFO(rendered.err);
     REQUIRE(rendered.code == 0);
-    const Outcome asked = run_raylex(folder, "ask kept.atlas.exr -o asked.exr" + wishes);
-    INFO(asked.err);
-    REQUIRE(asked.code == 0);
+    const Outcome requested = run_raylex(folder, "ask kept.atlas.exr -o asked.exr" + wishes);
+    INFO(requested.err);
+    REQUIRE(requested.code == 0);
     const ExrImage a = image_of(folder, "asked.exr"), b = image_of(folder, "rendered.exr");
     CHECK(largest_difference(a, b) <= 0x1p-23);  // the bound of the case above
     for (const char* layer : {"met", "sampled", "splat", "long"}) {
@@ -219,9 +219,9 @@ TEST_CASE("on whole scenes, layers from an atlas equal rendered ones: a hundred 
             const Outcome rendered = run_raylex(folder, render + "-o rendered.exr" + wishes);
             INFO(wishes << rendered.err);
             REQUIRE(rendered.code == 0);
-            const Outcome asked = run_raylex(folder, "ask kept.atlas.exr -o asked.exr" + wishes);
-            INFO(asked.err);
-            REQUIRE(asked.code == 0);
+            const Outcome requested = run_raylex(folder, "ask kept.atlas.exr -o asked.exr" + wishes);
+            INFO(requested.err);
+            REQUIRE(requested.code == 0);
             const double difference =
                 largest_difference(image_of(folder, "asked.exr"), image_of(folder, "rendered.exr"));
             CHECK(difference <= 0x1p-23);  // as above
@@ -248,11 +248,11 @@ TEST_CASE("an atlas changes no bit of the image, and threads none of the atlas",
             const ExrImage with = image_of(folder, "t" + threads + ".exr");
             for (const char* component : {"R", "G", "B", "A"})
                 CHECK(plane(with, "", component) == plane(plain, "", component));
-            const Outcome asked =
+            const Outcome requested =
                 run_raylex(folder, "ask t" + threads + ".atlas.exr --errors --partition shipped -o a" + threads +
                                        ".exr --intervals");
-            INFO(asked.err);
-            REQUIRE(asked.code == 0);
+            INFO(requested.err);
+            REQUIRE(requested.code == 0);
             std::string all;
             for (const char* at : {"2,2", "7,5", "12,9"}) {
                 const Outcome top = run_raylex(folder, "ask t" + threads + ".atlas.exr --top 1000 --at " + at);
@@ -286,11 +286,11 @@ TEST_CASE("a layer that an atlas cannot compute exactly is refused, or lies betw
             folder, "ask " + name + ".atlas.exr --lpe c='CDS+L' -o c.exr",
             {"channel 'c' cannot be computed exactly", "...", "--intervals", "between ", " % of the image's light",
              name == "a" ? "an --atlas-length above 2" : "a greater --atlas-budget"});
-        const Outcome asked =
+        const Outcome requested =
             run_raylex(folder, "ask " + name +
                                    ".atlas.exr --intervals --lpe c='CDS+L' --lpe d='CDD+L' --lpe s='C<TS>+L' -o i.exr");
-        INFO(asked.err);
-        REQUIRE(asked.code == 0);
+        INFO(requested.err);
+        REQUIRE(requested.code == 0);
         const ExrImage answer = image_of(folder, "i.exr");
         std::size_t intervals = 0, open = 0;
         for (const std::string channel : {"c", "d", "s"}) {
@@ -354,9 +354,9 @@ TEST_CASE("ask --top lists a pixel's brightest words, and --suggest the noisiest
     // The last line is a valid command.
     const std::size_t line = suggested.out.rfind("raylex ask ");
     REQUIRE(line != std::string::npos);
-    const Outcome asked = run_shell(folder, "\"$RAYLEX\" " + suggested.out.substr(line + 7));
-    INFO(asked.err);
-    REQUIRE(asked.code == 0);
+    const Outcome requested = run_shell(folder, "\"$RAYLEX\" " + suggested.out.substr(line + 7));
+    INFO(requested.err);
+    REQUIRE(requested.code == 0);
     CHECK(image_of(folder, "layers.exr").partitions.size() == 1);
     check_verified(folder, "layers.exr");
     check_refused(folder, "ask a.atlas.exr --top 2 --at 14,0", {"outside the image of 14 x 10"});
@@ -420,9 +420,9 @@ TEST_CASE("words with negative light sum exactly, even in layers where they canc
     for (const char* name : {"a.atlas.exr", "both.exr"}) {
         check_verified(folder, name);
         // One layer of all words: with single precision per word, the sum misses the beauty by more than rounding.
-        const Outcome asked = run_raylex(folder, std::string("ask ") + name + " --light-groups -o layers.exr");
-        INFO(asked.out << asked.err);
-        CHECK(asked.code == 0);
+        const Outcome requested = run_raylex(folder, std::string("ask ") + name + " --light-groups -o layers.exr");
+        INFO(requested.out << requested.err);
+        CHECK(requested.code == 0);
         check_verified(folder, "layers.exr");
     }
     // A class with light of both signs has no bounds.

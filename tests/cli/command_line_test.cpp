@@ -71,10 +71,11 @@ TEST_CASE("raylex help prints the same text as --help") {
     const Folder folder;
     for (const std::string command : {"", "render", "lpe", "lpe explain"}) {
         CAPTURE(command);
-        const Outcome asked = run_raylex(folder, "help " + command), option = run_raylex(folder, command + " --help");
-        CHECK(asked.code == 0);
-        CHECK(contains(asked.out, "Usage: raylex " + command));
-        CHECK(asked.out == option.out);
+        const Outcome requested = run_raylex(folder, "help " + command),
+                      option = run_raylex(folder, command + " --help");
+        CHECK(requested.code == 0);
+        CHECK(contains(requested.out, "Usage: raylex " + command));
+        CHECK(requested.out == option.out);
     }
     check_refused(folder, "help rendr", {"'rendr'", "did you mean 'render'"});
     check_refused(folder, "help lpe chek", {"'chek'", "did you mean 'check'"});

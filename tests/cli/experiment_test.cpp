@@ -99,7 +99,7 @@ TEST_CASE("an experiment stores every cell's image and sums, and refuses to star
     CHECK(run.out.find("out: 8 of 8 cells done") != std::string::npos);
     CHECK(run.out.find("% of render time") != std::string::npos);
     const Experiment results = results_of(folder, "out");
-    REQUIRE(results.cells.size() == 8);
+    REQUIRE(results.runs.size() == 8);
     CHECK(results.missing.empty());
     REQUIRE(results.scenes.size() == 1);
     const SceneInfo& scene = results.scenes.front();
@@ -110,7 +110,7 @@ TEST_CASE("an experiment stores every cell's image and sums, and refuses to star
     CHECK(scene.reference_relative_error > 0);
     REQUIRE(read_mean(scene.reference, "beauty"));
     REQUIRE(read_m2(scene.reference, "direct"));
-    for (const Cell& cell : results.cells) {
+    for (const StudyRun& cell : results.runs) {
         CAPTURE(cell.id);
         CHECK(cell.samples_per_pixel == static_cast<std::uint64_t>(cell.budget));
         CHECK(cell.wall_seconds > 0);
@@ -177,7 +177,7 @@ TEST_CASE("an experiment stores every cell's image and sums, and refuses to star
         std::string::npos);
     fs::remove_all(folder.path("out/cells/room.deep.4spp.r1"));
     succeed(folder, "experiment resume c.toml -o out");
-    CHECK(results_of(folder, "out").cells.size() == 8);
+    CHECK(results_of(folder, "out").runs.size() == 8);
     // Resume also refuses a changed scene.
     fs::remove_all(folder.path("out/cells/room.deep.4spp.r1"));
     std::string changed = small_scene();
@@ -226,8 +226,8 @@ TEST_CASE("shards merge to the unsharded run bit for bit, in any order; overlaps
     succeed(folder, "experiment merge part1 part2 part3 -o merged");
     succeed(folder, "experiment merge part3 part1 part2 -o again");
     const Experiment whole = results_of(folder, "whole"), merged = results_of(folder, "merged");
-    REQUIRE(merged.cells.size() == whole.cells.size());
-    for (const Cell& cell : whole.cells) {
+    REQUIRE(merged.runs.size() == whole.runs.size());
+    for (const StudyRun& cell : whole.runs) {
         CAPTURE(cell.id);
         CHECK((bits_of(folder, "whole", cell.id) == bits_of(folder, "merged", cell.id)));
         CHECK((folder.read("merged/cells/" + cell.id + "/cell.json") ==
@@ -250,7 +250,7 @@ TEST_CASE("shards merge to the unsharded run bit for bit, in any order; overlaps
             for (auto& each : json[list]) each["seed"] = 7;
         folder.write(file, json.dump());
     };
-    for (const Cell& each : results_of(folder, "part1").cells) edit("part1/cells/" + each.id + "/cell.json", "");
+    for (const StudyRun& each : results_of(folder, "part1").runs) edit("part1/cells/" + each.id + "/cell.json", "");
     edit("part1/experiment.json", "cells");
     CHECK(succeed(folder, "experiment merge part1 part2 -o bad", 2).err.find("have the same seed 7") !=
           std::string::npos);
@@ -277,8 +277,8 @@ TEST_CASE("a killed experiment resumes inside the cell, with the same bits", "[r
     CHECK((stopped.code == 130 || stopped.code == 0));
     succeed(folder, "experiment resume c.toml -o out" + budget);
     const Experiment results = results_of(folder, "out");
-    REQUIRE(results.cells.size() == 2);
-    for (const Cell& cell : results.cells)
+    REQUIRE(results.runs.size() == 2);
+    for (const StudyRun& cell : results.runs)
         CHECK((bits_of(folder, "out", cell.id) == bits_of(folder, "whole", cell.id)));
     CHECK(results.time.total > 0);
     for (const auto& entry : fs::recursive_directory_iterator(folder.path("out")))
@@ -300,8 +300,8 @@ channels = ["lit", "seen", "direct"]
     const Outcome run = succeed(folder, "experiment run c.toml -o out --set replicates=1 --set budget.samples=4", 1);
     CHECK(run.out.find("split 'double' DOES NOT HOLD") != std::string::npos);
     const Experiment results = results_of(folder, "out");
-    REQUIRE(results.cells.size() == 2);
-    for (const Cell& cell : results.cells) {
+    REQUIRE(results.runs.size() == 2);
+    for (const StudyRun& cell : results.runs) {
         REQUIRE(cell.splits.size() == 1);
         CHECK_FALSE(cell.splits.front().holds);
         // Direct light is counted twice: |2 b - b| relative to 2 b + b. With indirect light the fraction is smaller.
@@ -347,7 +347,7 @@ TEST_CASE("a study by the CPU clock records the load of other processes, and war
     REQUIRE(run.code == 0);
     const Experiment results = results_of(folder, "out");
     CHECK(results.cpu_clock);  // by default, because other processes increase wall times
-    for (const Cell& each : results.cells) {
+    for (const StudyRun& each : results.runs) {
         CAPTURE(each.id, each.other_load);
         CHECK((each.other_load >= 0 && each.other_load <= 1));
         CHECK(each.machine.find("hardware threads") != std::string::npos);
@@ -364,11 +364,11 @@ TEST_CASE("a study by the CPU clock records the load of other processes, and war
     CHECK(folder.read("out/experiment.json").find("\"load average at the start\"") != std::string::npos);
 
     Experiment idle = results;
-    for (Cell& each : idle.cells) each.other_load = 0.01;
+    for (StudyRun& each : idle.runs) each.other_load = 0.01;
     CHECK(idle.load_warning().empty());
-    for (Cell& each : idle.cells) each.other_load = -1;  // unknown
+    for (StudyRun& each : idle.runs) each.other_load = -1;  // unknown
     CHECK(idle.load_warning().empty());
-    idle.cells.front().other_load = 0.5;
+    idle.runs.front().other_load = 0.5;
     CHECK(idle.load_warning().find("used 50 % of its processors") != std::string::npos);
     idle.cpu_clock = false;
     CHECK(idle.load_warning().find("clock = \"cpu\" compares by CPU time") != std::string::npos);
@@ -381,8 +381,8 @@ TEST_CASE("budgets of time and error store the samples they reached, and replay"
             "experiment run c.toml -o out --set replicates=1 --set budget.samples=1 --set budget.seconds=0.1 --set "
             "'budget.error=[\"20%\"]'");
     const Experiment results = results_of(folder, "out");
-    REQUIRE(results.cells.size() == 6);
-    for (const Cell& cell : results.cells) {
+    REQUIRE(results.runs.size() == 6);
+    for (const StudyRun& cell : results.runs) {
         CAPTURE(cell.id);
         if (cell.budget_kind == BudgetKind::seconds) CHECK(cell.samples_per_pixel > 1);
         if (cell.budget_kind == BudgetKind::error) CHECK(cell.samples_per_pixel >= 64);

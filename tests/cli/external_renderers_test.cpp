@@ -47,7 +47,7 @@ spp = 32
     const std::string absent =
         "the images of method 'theirs' have no layers named direct, rest; these channels are not measured";
     CHECK(raylex::test::count_matches(run.out, absent) == 1);
-    for (const Cell& cell : results_of(folder, "out").cells) {
+    for (const StudyRun& cell : results_of(folder, "out").runs) {
         CAPTURE(cell.id, cell.failure);
         REQUIRE(cell.failed == (cell.method == "part"));
         if (cell.failed)
@@ -109,7 +109,7 @@ samples = [2, 8]
     REQUIRE(run.code == 2);
     CHECK(run.out.find("4 of 14 cells done, 10 FAILED") != std::string::npos);
     const Experiment results = results_of(folder, "out");
-    for (const Cell& cell : results.cells) {
+    for (const StudyRun& cell : results.runs) {
         CAPTURE(cell.id, cell.failure);
         CHECK(cell.failed == (cell.method != "self"));
         if (cell.method == "broken")
@@ -133,12 +133,13 @@ samples = [2, 8]
     CHECK(first->values != second->values);
     // Failed cells stay failed unless --retry is given.
     CHECK(run_shell(folder, "export RAYLEX\nexec \"$RAYLEX\" experiment resume c.toml -o out").code == 2);
-    CHECK(results_of(folder, "out").cells.size() == 14);
+    CHECK(results_of(folder, "out").runs.size() == 14);
     folder.write("licence", "");
     CHECK(run_shell(folder, "export RAYLEX\nexec \"$RAYLEX\" experiment resume c.toml -o out --retry").code == 2);
     const Experiment retried = results_of(folder, "out");
-    CHECK(std::count_if(retried.cells.begin(), retried.cells.end(), [](const Cell& cell) { return cell.failed; }) == 6);
-    for (const Cell& cell : retried.cells)
+    CHECK(std::count_if(retried.runs.begin(), retried.runs.end(), [](const StudyRun& cell) { return cell.failed; }) ==
+          6);
+    for (const StudyRun& cell : retried.runs)
         if (cell.method == "broken") CHECK_FALSE(cell.failed);
     CHECK_FALSE(folder.has("out/failed/room.broken.2spp.r0.json"));
 }

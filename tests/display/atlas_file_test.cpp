@@ -21,7 +21,7 @@ bool same_bits(double a, double b) {
 }
 
 bool same(const AtlasRow& a, const AtlasRow& b) {
-    const auto same_sample = [](const WordSample& s, const WordSample& t) {
+    const auto same_sample = [](const PathStringSample& s, const PathStringSample& t) {
         return s.word == t.word && std::equal(s.rgb.begin(), s.rgb.end(), t.rgb.begin(), same_bits) &&
                std::equal(s.parts.begin(), s.parts.end(), t.parts.begin(), same_bits);
     };
@@ -37,7 +37,7 @@ bool same(const AtlasRow& a, const AtlasRow& b) {
 /// A row that already contains other light.
 AtlasRow used_row() {
     AtlasRow row;
-    WordSample sample;
+    PathStringSample sample;
     sample.word = MadeAtlas::words - 1;
     sample.rgb.fill(77);
     sample.parts.fill(0.75f);
@@ -104,7 +104,7 @@ TEST_CASE("a damaged atlas gives an error or valid rows, and the result depends 
             REQUIRE(same(fresh, used));
             REQUIRE(fresh.begin.size() == MadeAtlas::columns + 1);
             REQUIRE(fresh.begin.back() == fresh.samples.size());
-            for (const WordSample& sample : fresh.samples) REQUIRE(sample.word < MadeAtlas::words);
+            for (const PathStringSample& sample : fresh.samples) REQUIRE(sample.word < MadeAtlas::words);
         }
     };
     for (std::size_t at = rows_begin; at < bytes.size(); ++at)

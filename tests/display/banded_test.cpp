@@ -126,10 +126,10 @@ TEST_CASE("an image in bands is written with the pixels and split results of the
     for (const bool single : {false, true}) {
         ImageDescription description = banded_description();
         description.single_part = single;
-        std::vector<SplitVerdict> verdicts, in_bands;
-        REQUIRE(write_exr(folder.path("whole.exr"), whole, 0, description, &verdicts).ok());
-        REQUIRE(verdicts.size() == 1);
-        CHECK(verdicts[0].holds);
+        std::vector<SplitResult> results, in_bands;
+        REQUIRE(write_exr(folder.path("whole.exr"), whole, 0, description, &results).ok());
+        REQUIRE(results.size() == 1);
+        CHECK(results[0].holds);
         auto expected = read_exr(folder.path("whole.exr"));
         REQUIRE(expected.ok());
         CHECK(expected->attributes.at("repaired/z").starts_with("0 values not a number, set to 0; 37 beyond float"));
@@ -140,8 +140,8 @@ TEST_CASE("an image in bands is written with the pixels and split results of the
             REQUIRE(image.ok());
             check_same_layers(*image, *expected);
             CHECK(image->attributes == expected->attributes);  // includes the split results
-            CHECK(in_bands[0].largest_relative == verdicts[0].largest_relative);
-            CHECK(in_bands[0].relative_y == verdicts[0].relative_y);
+            CHECK(in_bands[0].largest_relative == results[0].largest_relative);
+            CHECK(in_bands[0].relative_y == results[0].relative_y);
         }
     }
     ImageDescription crop = banded_description();
@@ -241,12 +241,12 @@ TEST_CASE("the split results of bands combine to that of the image", "[display][
     const auto expected = check_split(*whole, "", {"direct"});  // does not hold, never above
     REQUIRE(expected.ok());
     for (const int rows : {1, 10, 52}) {
-        std::optional<SplitVerdict> sum;
+        std::optional<SplitResult> sum;
         for (const RowRange& band : bands_of(all_rows, rows)) {
-            const auto verdict = check_split(*file->read(band), "", {"direct"});
-            REQUIRE(verdict.ok());
-            if (sum) add_rows(*sum, *verdict, band.first);
-            else sum = *verdict;
+            const auto result = check_split(*file->read(band), "", {"direct"});
+            REQUIRE(result.ok());
+            if (sum) add_rows(*sum, *result, band.first);
+            else sum = *result;
         }
         CHECK(sum->largest_absolute == expected->largest_absolute);
         CHECK(sum->absolute_x == expected->absolute_x);

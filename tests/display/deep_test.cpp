@@ -210,13 +210,13 @@ TEST_CASE("deep colours beyond their type are counted, and clamp as in a flat im
         for (ExrStorage& each : description.storage) each.type = type;
         REQUIRE(write_exr(folder.path("flat.exr"), bright.flat, 0, description).ok());
     };
-    const auto judged = [&](const DeepBuffer& deep, const DeepStorage& storage) {
+    const auto checked = [&](const DeepBuffer& deep, const DeepStorage& storage) {
         std::map<std::string, std::string> repaired;
         REQUIRE(write_deep_exr(folder.path("deep.exr"), deep, 0, {}, storage, &repaired).ok());
         return std::pair(*check_deep(folder.path("deep.exr"), *read_exr(folder.path("flat.exr"))), repaired);
     };
     write_flat(StoredType::single_float);
-    const auto [verdict, repaired] = judged(bright.deep, half);
+    const auto [verdict, repaired] = checked(bright.deep, half);
     CHECK(verdict.holds);
     CHECK(verdict.clamped == 1);
     const std::string six = "0 values not a number, set to 0; 6 beyond half, set to the largest";
@@ -227,16 +227,16 @@ TEST_CASE("deep colours beyond their type are counted, and clamp as in a flat im
         REQUIRE(counted != nullptr);
         CHECK(counted->value() == six);
     }
-    const auto [as_float, none] = judged(bright.deep, single);
+    const auto [as_float, none] = checked(bright.deep, single);
     CHECK(as_float.holds);
     CHECK(as_float.clamped == 0);
     CHECK(none.empty());
     write_flat(StoredType::half_float);
-    const auto [flat_clamped, no_more] = judged(bright.deep, single);
+    const auto [flat_clamped, no_more] = checked(bright.deep, single);
     CHECK(flat_clamped.holds);
     CHECK(flat_clamped.clamped == 1);
     // 65504 means at least 65504, but 1e4 does not.
-    CHECK(judged(dim.deep, single).first.exceeding == 1);
+    CHECK(checked(dim.deep, single).first.exceeding == 1);
 }
 
 TEST_CASE("deep light has the scale of its channel, like the image", "[display][deep][law6]") {

@@ -151,14 +151,14 @@ TEST_CASE("the header contains the result of every partition that a reader compu
     REQUIRE(write_exr(folder.path("a.exr"), filled(), beauty_id, with_wrong).ok());
     const auto image = read_exr(folder.path("a.exr"));
     REQUIRE(image.ok());
-    const auto verdicts = check_declared_splits(*image);
-    REQUIRE(verdicts.ok());
-    REQUIRE(verdicts->size() == 3);
-    for (const SplitVerdict& verdict : *verdicts) {
+    const auto results = check_declared_splits(*image);
+    REQUIRE(results.ok());
+    REQUIRE(results->size() == 3);
+    for (const SplitResult& verdict : *results) {
         std::string text = image->attributes.at("verdict/" + verdict.partition);
         CHECK(text.size() == 224);  // the reserved length
         text.erase(text.find_last_not_of(' ') + 1);
-        CHECK(text == verdict_attribute(verdict, verdict.layers.size()));
+        CHECK(text == result_attribute(verdict, verdict.layers.size()));
     }
     CHECK(image->attributes.at("verdict/auto").starts_with("holds; largest relative error "));
     CHECK(image->attributes.at("verdict/short").starts_with("does not hold; "));
@@ -258,12 +258,12 @@ TEST_CASE("known primaries have their interop id, others none", "[display][exr]"
 TEST_CASE("a split written by raylex holds in the file", "[display][exr][law1]") {
     const Folder folder;
     const ExrImage image = written(folder);
-    const auto verdicts = check_declared_splits(image);
-    REQUIRE(verdicts.ok());
-    REQUIRE(verdicts->size() == 1);
-    CHECK((*verdicts)[0].partition == "auto");
-    CHECK((*verdicts)[0].holds);
-    CHECK((*verdicts)[0].largest_relative > 0);  // rounding has an effect, so the test is meaningful
+    const auto results = check_declared_splits(image);
+    REQUIRE(results.ok());
+    REQUIRE(results->size() == 1);
+    CHECK((*results)[0].partition == "auto");
+    CHECK((*results)[0].holds);
+    CHECK((*results)[0].largest_relative > 0);  // rounding has an effect, so the test is meaningful
     const auto short_sum = check_split(image, "", {"diffuse", "specular"});
     REQUIRE(short_sum.ok());
     CHECK(!short_sum->holds);

@@ -17,7 +17,7 @@ using raylex::display::Allowance;
 using raylex::display::check_split;
 using raylex::display::ExrImage;
 using raylex::display::SplitAnswer;
-using raylex::display::SplitVerdict;
+using raylex::display::SplitResult;
 using raylex::display::StoredType;
 
 namespace {
@@ -28,22 +28,22 @@ ExrImage values(std::vector<std::pair<std::string, float>> layers, StoredType ty
     return image_of(1, 1, std::move(all));
 }
 
-SplitVerdict judge(const ExrImage& image, const std::string& sum, const std::string& of = "") {
-    auto verdict = check_split(image, of, {sum});
-    if (!verdict) FAIL(verdict.error().to_string());
-    return *verdict;
+SplitResult run_checks(const ExrImage& image, const std::string& sum, const std::string& of = "") {
+    auto result = check_split(image, of, {sum});
+    if (!result) FAIL(result.error().to_string());
+    return *result;
 }
 
 raylex::Error refusal(const ExrImage& image, const std::string& sum, const std::string& of = "") {
-    const auto verdict = check_split(image, of, {sum});
-    if (verdict) FAIL("accepted: " << sum);
-    return verdict.error();
+    const auto result = check_split(image, of, {sum});
+    if (result) FAIL("accepted: " << sum);
+    return result.error();
 }
 
 /// The value of a sum: the value of `of` for which the difference is 0.
 double value_of(const std::string& sum) {
     ExrImage image = values({{"", 0}, {"a", 2}, {"b", 3}, {"c", 5}, {"d-e", 7}, {"a b", 11}, {"x*", 13}, {"a-b", 17}});
-    return judge(image, sum).largest_absolute;
+    return run_checks(image, sum).largest_absolute;
 }
 
 }  // namespace
@@ -111,23 +111,23 @@ TEST_CASE("names can omit the prefix of the application", "[display][verify]") {
                              {"View Layer.DiffDir", 2},
                              {"View Layer.DiffCol", 3},
                              {"View Layer.Combined_a", 6}});
-    CHECK(judge(image, "DiffDir*DiffCol", "Combined").holds);
-    CHECK(judge(image, "View Layer.DiffDir * DiffCol", "View Layer.Combined").holds);
-    CHECK(judge(image, "Combined_*", "Combined").layers == std::vector<std::string>{"View Layer.Combined_a"});
-    CHECK(judge(image, "*Dif*Col", "DiffDir").layers == std::vector<std::string>{"View Layer.DiffCol"});
+    CHECK(run_checks(image, "DiffDir*DiffCol", "Combined").holds);
+    CHECK(run_checks(image, "View Layer.DiffDir * DiffCol", "View Layer.Combined").holds);
+    CHECK(run_checks(image, "Combined_*", "Combined").layers == std::vector<std::string>{"View Layer.Combined_a"});
+    CHECK(run_checks(image, "*Dif*Col", "DiffDir").layers == std::vector<std::string>{"View Layer.DiffCol"});
     CHECK(refusal(image, "DiffDri*DiffCol", "Combined").hint == "did you mean 'DiffDir'?");
     // If several layers match, the one with the prefix of the split layer is taken.
     for (const char* name : {"Combined", "DiffDir", "DiffCol", "Combined_a"})
         image.layers.push_back(color_layer("Second." + std::string(name), {{9, 9, 9}}));
-    CHECK(judge(image, "DiffDir", "Second.Combined").layers == std::vector<std::string>{"Second.DiffDir"});
-    CHECK(judge(image, "Combined_*", "Second.Combined").layers == std::vector<std::string>{"Second.Combined_a"});
+    CHECK(run_checks(image, "DiffDir", "Second.Combined").layers == std::vector<std::string>{"Second.DiffDir"});
+    CHECK(run_checks(image, "Combined_*", "Second.Combined").layers == std::vector<std::string>{"Second.Combined_a"});
     const raylex::Error several = refusal(image, "DiffDir", "Combined");
     CHECK(several.message ==
           "several layers are called 'Combined'; expected one of: View Layer.Combined, Second.Combined");
     // Files with one layer each share the beginning of their names.
     const ExrImage files = values({{"shot-2_beauty", 5}, {"shot-2_diffuse", 2}, {"shot-2_coat", 3}});
-    CHECK(judge(files, "diffuse,coat", "beauty").holds);
-    CHECK(judge(files, "*oat,diff*", "beauty").layers.size() == 2);
+    CHECK(run_checks(files, "diffuse,coat", "beauty").holds);
+    CHECK(run_checks(files, "*oat,diff*", "beauty").layers.size() == 2);
 }
 
 TEST_CASE("products carry the rounding of their factors, and no more", "[display][verify][law1]") {
@@ -135,7 +135,7 @@ TEST_CASE("products carry the rounding of their factors, and no more", "[display
     // first.
     const float third = half(1.0f / 3), sum_of_two = half(2.0f / 3);
     const auto of_halves = [](float a, float b, float whole) {
-        return judge(values({{"", whole}, {"a", a}, {"b", b}}, StoredType::half_float), "a*b");
+        return run_checks(values({{"", whole}, {"a", a}, {"b", b}}, StoredType::half_float), "a*b");
     };
     CHECK(of_halves(third, 3.0f, 1.0f).answer == SplitAnswer::holds_to_rounding);
     CHECK(of_halves(sum_of_two, 3.0f, 2.0f).holds);
@@ -157,12 +157,12 @@ TEST_CASE("each float addition of another writer widens the bound; raylex's own 
     std::vector<std::pair<std::string, float>> layers{{"", 9.0f + 5 * 0x1p-20f}};
     for (int i = 0; i < 9; ++i) layers.emplace_back("group" + std::to_string(i), 1.0f);
     ExrImage image = values(layers);
-    CHECK(judge(image, "group*").answer ==
+    CHECK(run_checks(image, "group*").answer ==
           SplitAnswer::holds_to_rounding);  // 4.8e-6 of 18 x 2^-23 + 72 x 2^-24 = 6.4e-6
-    CHECK(judge(image, "group*").bound == Approx(0x1p-23 + 8 * 0x1p-24));
+    CHECK(run_checks(image, "group*").bound == Approx(0x1p-23 + 8 * 0x1p-24));
     image.attributes["raylex/version"] = "1";
-    CHECK(!judge(image, "group*").holds);  // of 18 x 2^-23 = 2.1e-6
-    CHECK(judge(image, "group*").bound == 0x1p-23);
+    CHECK(!run_checks(image, "group*").holds);  // of 18 x 2^-23 = 2.1e-6
+    CHECK(run_checks(image, "group*").bound == 0x1p-23);
 }
 
 TEST_CASE("random products and sums, rounded as renderers round, hold to rounding", "[display][verify][law1]") {
@@ -187,12 +187,12 @@ TEST_CASE("random products and sums, rounded as renderers round, hold to roundin
                 whole += direct + indirect;
             }
             layers.front().second = stored(whole);
-            const SplitVerdict verdict = judge(values(layers, type), sum);
-            CAPTURE(trial, verdict.largest_relative, verdict.bound);
-            if (std::isfinite(layers.front().second) && verdict.non_finite == 0)
-                REQUIRE(verdict.answer == SplitAnswer::holds_to_rounding);
+            const SplitResult result = run_checks(values(layers, type), sum);
+            CAPTURE(trial, result.largest_relative, result.bound);
+            if (std::isfinite(layers.front().second) && result.non_finite == 0)
+                REQUIRE(result.answer == SplitAnswer::holds_to_rounding);
             past_the_type_alone +=
-                verdict.largest_relative > (type == StoredType::half_float ? 0x1p-11 : 0x1p-24) ? 1 : 0;
+                result.largest_relative > (type == StoredType::half_float ? 0x1p-11 : 0x1p-24) ? 1 : 0;
         }
         CHECK(past_the_type_alone > 0);  // the bound of the arithmetic was needed
     }
@@ -200,12 +200,12 @@ TEST_CASE("random products and sums, rounded as renderers round, hold to roundin
 
 TEST_CASE("three answers: holds to rounding, holds as allowed, does not hold", "[display][verify]") {
     const ExrImage image = values({{"", 1.0f}, {"a", 1.0f + 1e-5f}});
-    CHECK(judge(image, "a").answer == SplitAnswer::does_not_hold);
+    CHECK(run_checks(image, "a").answer == SplitAnswer::does_not_hold);
     const auto with = [&image](double absolute, double relative) {
         return *check_split(image, "", {"a"}, Allowance{absolute, relative, "a test", false});
     };
     CHECK(with(0, 4e-6).answer == SplitAnswer::does_not_hold);  // of 2.00001
-    const SplitVerdict allowed = with(0, 6e-6);
+    const SplitResult allowed = with(0, 6e-6);
     CHECK(allowed.answer == SplitAnswer::holds_as_allowed);
     CHECK(allowed.holds);
     CHECK(allowed.past_rounding == 1);
@@ -214,28 +214,28 @@ TEST_CASE("three answers: holds to rounding, holds as allowed, does not hold", "
     CHECK(allowed.allowed_for == std::vector<std::string>{"a test"});
     CHECK(with(1.1e-5, 0).answer == SplitAnswer::holds_as_allowed);
     CHECK(with(8e-6, 0).answer == SplitAnswer::does_not_hold);
-    const SplitVerdict exact =
+    const SplitResult exact =
         *check_split(values({{"", 1.0f}, {"a", 1.0f}}), "", {"a"}, Allowance{1, 1, "much", false});
     CHECK(exact.answer == SplitAnswer::holds_to_rounding);
     // If the sum is too small everywhere, a layer is missing, and the result reports it.
-    CHECK(judge(values({{"", 1.0f}, {"a", 0.5f}}), "a").never_above);
-    CHECK_FALSE(judge(values({{"", 0.5f}, {"a", 1.0f}}), "a").never_above);
+    CHECK(run_checks(values({{"", 1.0f}, {"a", 0.5f}}), "a").never_above);
+    CHECK_FALSE(run_checks(values({{"", 0.5f}, {"a", 1.0f}}), "a").never_above);
     // It does not report this if something is negative, because then no light need be missing.
-    const SplitVerdict lowered = judge(values({{"", 1.0f}, {"a", 1.0f}, {"b", -0.5f}}), "a,b");
+    const SplitResult lowered = run_checks(values({{"", 1.0f}, {"a", 1.0f}, {"b", -0.5f}}), "a,b");
     CHECK_FALSE(lowered.never_above);
     CHECK(lowered.negative.pixels == 1);
     CHECK(lowered.negative.lowest == -0.5f);
     CHECK(lowered.negative.layer == "b");
-    const SplitVerdict cancelled = judge(values({{"", 0.5f}, {"a", 1.0f}, {"b", -0.5f}}), "a,b");
+    const SplitResult cancelled = run_checks(values({{"", 0.5f}, {"a", 1.0f}, {"b", -0.5f}}), "a,b");
     CHECK(cancelled.holds);
     CHECK(cancelled.negative.pixels == 1);
-    CHECK(judge(values({{"", 1.0f}, {"a", 1.0f}}), "a").negative.pixels == 0);
+    CHECK(run_checks(values({{"", 1.0f}, {"a", 1.0f}}), "a").negative.pixels == 0);
 }
 
 TEST_CASE("a clamped value is treated as a bound", "[display][verify][law6]") {
     constexpr float largest = 65504;
     const auto of_halves = [](float whole, float a, float b, const char* sum) {
-        return judge(values({{"", whole}, {"a", a}, {"b", b}}, StoredType::half_float), sum);
+        return run_checks(values({{"", whole}, {"a", a}, {"b", b}}, StoredType::half_float), sum);
     };
     // A layer of at least 65504 is too large for a whole of 30000, and a term that can be larger is not too small.
     CHECK(of_halves(30000, largest, 10, "a,b").exceeding == 1);
@@ -256,28 +256,28 @@ TEST_CASE("a clamped value is treated as a bound", "[display][verify][law6]") {
                                   {color_layer("", {{largest, largest, largest}, {3, 3, 3}}, StoredType::half_float),
                                    color_layer("a", {{60000, 60000, 60000}, {1, 1, 1}}, StoredType::half_float),
                                    color_layer("b", {{60000, 60000, 60000}, {2, 2, 2}}, StoredType::half_float)});
-    const SplitVerdict verdict = judge(two, "a,b");
-    CHECK(verdict.holds);
-    CHECK(verdict.clamped == 1);
-    CHECK(verdict.judged() == 1);
-    CHECK(verdict.pixels == 2);
-    const SplitVerdict none = of_halves(largest, largest, 10, "a,b");
+    const SplitResult result = run_checks(two, "a,b");
+    CHECK(result.holds);
+    CHECK(result.clamped == 1);
+    CHECK(result.checked() == 1);
+    CHECK(result.pixels == 2);
+    const SplitResult none = of_halves(largest, largest, 10, "a,b");
     CHECK_FALSE(none.holds);
-    CHECK(raylex::display::verdict_attribute(none, 2).starts_with("cannot tell: every pixel is clamped; "));
-    CHECK(raylex::display::verdict_attribute(verdict, 2).ends_with("1 of 2 judged"));
+    CHECK(raylex::display::result_attribute(none, 2).starts_with("cannot tell: every pixel is clamped; "));
+    CHECK(raylex::display::result_attribute(result, 2).ends_with("1 of 2 judged"));
     // Bands that are checked one by one.
-    SplitVerdict all = none;
-    raylex::display::add_rows(all, verdict, 1);
+    SplitResult all = none;
+    raylex::display::add_rows(all, result, 1);
     CHECK(all.holds);
 }
 
 TEST_CASE("values that are not finite are reported with their layer, or as overflow of the sum",
           "[display][verify][law6]") {
     const float inf = std::numeric_limits<float>::infinity();
-    CHECK(judge(values({{"", 1}, {"a", 1}, {"b", inf}}), "a,b").non_finite_layer == "b");
-    CHECK(judge(values({{"", std::nanf("")}, {"a", 1}}), "a").non_finite_layer == "beauty");
-    CHECK(judge(values({{"", 1}, {"a", 0}, {"b", inf}}), "a*b").non_finite == 1);  // 0 x inf is not 0
-    CHECK(judge(values({{"", 1}, {"a", inf}, {"b", inf}}), "a-b").non_finite == 1);
+    CHECK(run_checks(values({{"", 1}, {"a", 1}, {"b", inf}}), "a,b").non_finite_layer == "b");
+    CHECK(run_checks(values({{"", std::nanf("")}, {"a", 1}}), "a").non_finite_layer == "beauty");
+    CHECK(run_checks(values({{"", 1}, {"a", 0}, {"b", inf}}), "a*b").non_finite == 1);  // 0 x inf is not 0
+    CHECK(run_checks(values({{"", 1}, {"a", inf}, {"b", inf}}), "a-b").non_finite == 1);
 }
 
 namespace {
@@ -338,11 +338,11 @@ TEST_CASE("a correct split holds in every OpenEXR storage, and a missing layer n
         write_split(folder.path("a.exr"), each.stored);
         const auto image = raylex::display::read_exr(folder.path("a.exr"));
         REQUIRE(image);
-        const SplitVerdict verdict = judge(*image, "a,b,c");
-        CAPTURE(verdict.largest_relative, verdict.bound, verdict.exceeding);
-        CHECK(verdict.answer == each.answer);
-        CHECK(judge(*image, "a,b").answer == Answer::does_not_hold);
-        CHECK(verdict.unexplained.empty() == (each.stored.compression != Imf::B44_COMPRESSION));
+        const SplitResult result = run_checks(*image, "a,b,c");
+        CAPTURE(result.largest_relative, result.bound, result.exceeding);
+        CHECK(result.answer == each.answer);
+        CHECK(run_checks(*image, "a,b").answer == Answer::does_not_hold);
+        CHECK(result.unexplained.empty() == (each.stored.compression != Imf::B44_COMPRESSION));
         // An explicit allowance replaces the one for compression.
         if (each.answer == Answer::holds_as_allowed)
             CHECK(check_split(*image, "", {"a,b,c"}, Allowance{0, 0, "none", true})->answer == Answer::does_not_hold);

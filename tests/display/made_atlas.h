@@ -24,16 +24,16 @@ class MadeAtlas final : public display::AtlasSource {
                                                                                                                  : 1);
         table_.letters = {0, 1, 2, 3};
         for (std::uint32_t word = 0; word < words; ++word) {
-            std::vector<display::WordTable::Letter> letters;
+            std::vector<display::PathStringTable::Letter> letters;
             for (std::uint32_t bits = word / 2; bits > 0; bits /= 2)
-                letters.push_back(static_cast<display::WordTable::Letter>(bits % 2));
+                letters.push_back(static_cast<display::PathStringTable::Letter>(bits % 2));
             letters.push_back(word % 2 == 0 ? 2 : 3);
             table_.words.push_back(std::move(letters));
         }
     }
     [[nodiscard]] int width() const override { return columns; }
     [[nodiscard]] int height() const override { return rows; }
-    [[nodiscard]] const display::WordTable& table() const override { return table_; }
+    [[nodiscard]] const display::PathStringTable& table() const override { return table_; }
     Status row(int y, display::AtlasRow& row) override {
         row.begin.assign(1, 0);
         row.samples.clear();
@@ -44,7 +44,7 @@ class MadeAtlas final : public display::AtlasSource {
             row.counts[column].fill(static_cast<float>(x + 1));
             const int count = y == 1 ? 0 : (3 * x + y) % 5;
             for (int n = 0; n < count; ++n) {
-                display::WordSample sample;
+                display::PathStringSample sample;
                 sample.word = static_cast<std::uint32_t>((5 * n + x) % static_cast<int>(words));
                 const double light =
                     table_.is_signed() ? -1.0 / (n + 3) : static_cast<double>(0.125f * static_cast<float>(n + x));
@@ -53,8 +53,9 @@ class MadeAtlas final : public display::AtlasSource {
                 else sample.parts = {0.25f, 0, 0, 0.5f, 0, 0, 0, 0.25f};
                 row.samples.push_back(sample);
             }
-            std::sort(row.samples.begin() + row.begin.back(), row.samples.end(),
-                      [](const display::WordSample& a, const display::WordSample& b) { return a.word < b.word; });
+            std::sort(
+                row.samples.begin() + row.begin.back(), row.samples.end(),
+                [](const display::PathStringSample& a, const display::PathStringSample& b) { return a.word < b.word; });
             row.begin.push_back(static_cast<std::uint32_t>(row.samples.size()));
             row.rgba[column] = {static_cast<float>(x), static_cast<float>(y), 0.5f, 1};
         }
@@ -62,7 +63,7 @@ class MadeAtlas final : public display::AtlasSource {
     }
 
   private:
-    display::WordTable table_;
+    display::PathStringTable table_;
 };
 
 }  // namespace raylex::test

@@ -23,7 +23,7 @@ constexpr std::size_t longest = 8, random_expressions = 200;
 
 /// The room for raylex: both lobes are in slot 2 by default, "diffuse" of the diffuse and "mirror" of the specular
 /// ones.
-oracle::Path path_of(const EnclosureWord& word) {
+oracle::Path path_of(const EnclosurePathString& word) {
     oracle::Path path{{EventType::camera, Scatter::none, 0, {}}};
     for (const char letter : word.reflections)
         path.push_back(letter == 'D' ? Event{EventType::reflection, Scatter::diffuse, 2, {"a", "diffuse"}}
@@ -38,7 +38,7 @@ struct Expression {
 };
 
 /// Returns random expressions between C and L that accept some but not all words; no two accept the same words.
-std::vector<Expression> expressions_for(const std::vector<EnclosureWord>& words) {
+std::vector<Expression> expressions_for(const std::vector<EnclosurePathString>& words) {
     const auto token = [](const std::string& text) {
         const auto& all = oracle::tokens(Dialect::renderman);
         return static_cast<std::size_t>(
@@ -57,7 +57,7 @@ std::vector<Expression> expressions_for(const std::vector<EnclosureWord>& words)
         const auto tree = oracle::parse(sequence, Dialect::renderman);
         REQUIRE(tree != nullptr);
         Expression expression{oracle::text_of(sequence, Dialect::renderman), {}};
-        for (const EnclosureWord& word : words)
+        for (const EnclosurePathString& word : words)
             expression.accepts.push_back(oracle::matches(*tree, path_of(word), Dialect::renderman));
         const auto accepted = std::count(expression.accepts.begin(), expression.accepts.end(), true);
         if (accepted == 0 || accepted == static_cast<std::ptrdiff_t>(words.size())) continue;
@@ -67,7 +67,7 @@ std::vector<Expression> expressions_for(const std::vector<EnclosureWord>& words)
 }
 
 /// Returns the expressions' values in a render, from renders of the words.
-Replicates sums_of_words(const Replicates& words, const std::vector<Expression>& expressions) {
+Replicates sums_of_path_strings(const Replicates& words, const std::vector<Expression>& expressions) {
     constexpr std::size_t blocks = blocks_across * blocks_across;
     Replicates sums;
     for (const std::vector<double>& found : words.of_seed) {
@@ -96,22 +96,22 @@ TEST_CASE("Enclosure: every word of up to 8 reflections and 200 random expressio
                                    Method{"pssmlt", 192, 0.15});
     CAPTURE(method.integrator);
     const bool light_tracer = method.integrator == std::string("lighttracer");
-    const std::vector<EnclosureWord> words = enclosure_words(kd, ks, longest);
+    const std::vector<EnclosurePathString> words = enclosure_path_strings(kd, ks, longest);
     REQUIRE(words.size() == 511);
     static const std::vector<Expression> expressions = expressions_for(words);
-    std::vector<ClosedForm> of_words, of_expressions;
+    std::vector<ClosedForm> of_path_strings, of_expressions;
     std::size_t missed = 0;
-    for (const EnclosureWord& word : words) {
+    for (const EnclosurePathString& word : words) {
         const bool found = !light_tracer || light_tracer_finds(word);
         missed += found ? 0 : 1;
         std::string text = "C";
         for (const char letter : word.reflections) text += letter == 'D' ? "<RD>" : "<RS>";
-        of_words.push_back({text + "L", found ? word.value : 0});
+        of_path_strings.push_back({text + "L", found ? word.value : 0});
     }
     CHECK(missed == (light_tracer ? 255 : 0));  // a mirror and up to 7 further reflections
     for (const Expression& expression : expressions) {
         double sum = 0;
-        for (std::size_t w = 0; w < words.size(); ++w) sum += expression.accepts[w] ? of_words[w].value : 0;
+        for (std::size_t w = 0; w < words.size(); ++w) sum += expression.accepts[w] ? of_path_strings[w].value : 0;
         of_expressions.push_back({expression.text, sum});
     }
 
@@ -137,20 +137,21 @@ TEST_CASE("Enclosure: every word of up to 8 reflections and 200 random expressio
         }
         return replicates(**built, settings, static_cast<int>(forms.size()), seeds, 8000);
     };
-    const std::size_t tests = 4 * (of_words.size() + of_expressions.size());
-    const Replicates found = render(of_words, 16), sums = sums_of_words(found, expressions);
-    check_closed_forms(found, of_words, tests, method.largest_error);
+    const std::size_t tests = 4 * (of_path_strings.size() + of_expressions.size());
+    const Replicates found = render(of_path_strings, 16), sums = sums_of_path_strings(found, expressions);
+    check_closed_forms(found, of_path_strings, tests, method.largest_error);
     check_closed_forms(sums, of_expressions, tests, method.largest_error);
 
     // All together: chains go where any channel finds light, so chains for words alone would differ.
-    std::vector<ClosedForm> all = of_words;
+    std::vector<ClosedForm> all = of_path_strings;
     all.insert(all.end(), of_expressions.begin(), of_expressions.end());
     Replicates once = render(all, 1);
     std::vector<double>& image = once.of_seed[0];
-    const auto end_of_words = image.begin() + static_cast<std::ptrdiff_t>(image.size() / all.size() * words.size());
-    const std::vector<double> at_once(end_of_words, image.end());
-    image.erase(end_of_words, image.end());
-    const std::vector<double> sum = sums_of_words(once, expressions).of_seed[0];
+    const auto end_of_path_strings =
+        image.begin() + static_cast<std::ptrdiff_t>(image.size() / all.size() * words.size());
+    const std::vector<double> at_once(end_of_path_strings, image.end());
+    image.erase(end_of_path_strings, image.end());
+    const std::vector<double> sum = sums_of_path_strings(once, expressions).of_seed[0];
     REQUIRE(at_once.size() == sum.size());
     for (std::size_t i = 0; i < at_once.size(); ++i) {
         INFO(of_expressions[i / 9].expression << " block " << i % 9);

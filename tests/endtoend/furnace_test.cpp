@@ -66,9 +66,9 @@ double word_value(const std::string& word, double le, double kd, double ks) {
     return le * std::pow(kd, double(diffuse)) * std::pow(ks, double(mirror));
 }
 
-void check_words(const transport::SceneDescription& scene, double le, double kd, double ks, std::size_t longest,
-                 std::uint64_t samples, const std::string& strategy, double largest_relative_error,
-                 bool roulette = true) {
+void check_path_strings(const transport::SceneDescription& scene, double le, double kd, double ks, std::size_t longest,
+                        std::uint64_t samples, const std::string& strategy, double largest_relative_error,
+                        bool roulette = true) {
     const std::vector<std::string> expressions = words("DS", longest, "L");
     transport::RenderSettings settings;
     settings.samples.per_pixel = samples;
@@ -94,8 +94,8 @@ TEST_CASE("Row A: in a closed diffuse and mirror enclosure every word has the va
     const auto scene = import_text(box(diffuse_mirror(0.5, 0.3), 1.0));
     // Short: 16 x 16 x 1024 samples. The rarest word of length 6, SSSS, has probability above 1/256 per path, so its
     // relative standard error is below sqrt(256 / 262144) = 3.2 %.
-    check_words(scene, 1.0, 0.5, 0.3, 6, 1024, "scattering", 0.032);
-    check_words(scene, 1.0, 0.5, 0.3, 5, 1024, "mis", 0.032);
+    check_path_strings(scene, 1.0, 0.5, 0.3, 6, 1024, "scattering", 0.032);
+    check_path_strings(scene, 1.0, 0.5, 0.3, 5, 1024, "mis", 0.032);
 }
 
 TEST_CASE("Row A: regular expressions over the enclosure's words sum as geometric series",
@@ -125,7 +125,8 @@ TEST_CASE("Row A: regular expressions over the enclosure's words sum as geometri
 TEST_CASE("Row A in full: every word up to length 8 within 0.1 % standard error", "[.full][furnace][gate]") {
     // kd = ks, so one path in 64 meets each of the 64 words of length 8, always with the same value. The relative
     // standard error is sqrt(63 / N), 9.1e-4 for N = 256 x 300000. Roulette would only add noise.
-    check_words(import_text(box(diffuse_mirror(0.4, 0.4), 1.0)), 1.0, 0.4, 0.4, 8, 300'000, "scattering", 1e-3, false);
+    check_path_strings(import_text(box(diffuse_mirror(0.4, 0.4), 1.0)), 1.0, 0.4, 0.4, 8, 300'000, "scattering", 1e-3,
+                       false);
 }
 
 TEST_CASE("Row B: a point light in the centre of a Lambert sphere gives I rho^k / (pi R^2)", "[furnace]") {

@@ -97,10 +97,10 @@ TEST_CASE(
     now.samples_total = 256 * pixels - 1;
     CHECK(error_text(errors, now, 1) == "beauty 4 % and 4 more; 2 % at the end");
     // With a requested error, the total is the prediction.
-    display::AdaptiveProgress asked;
-    asked.channel = "beauty";
-    asked.target = 0.01;
-    now.adaptive = &asked;
+    display::AdaptiveProgress requested;
+    requested.channel = "beauty";
+    requested.target = 0.01;
+    now.adaptive = &requested;
     now.samples_total = 1024 * pixels;
     CHECK(error_text(errors, now, 1) == "beauty 4 % and 4 more; 1 % in about " + std::string("2 min 30 s"));
     // Squares of 0 and 0.0032, 1024 pixels each: the standard error of their mean is 0.0016 / sqrt(2047); that of the

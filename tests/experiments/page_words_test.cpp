@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "browser.h"
-#include "experiments/atlas/word_answers.h"
+#include "experiments/atlas/path_string_answers.h"
 #include "experiments/job/text/json.h"
 #include "experiments/report/html.h"
-#include "experiments/report/words/page_words.h"
+#include "experiments/report/words/page_path_strings.h"
 #include "lpe/match.h"
 #include "lpe/oracle.h"
 #include "lpe/program.h"
@@ -38,13 +38,13 @@ class PageQuestions {
         questions_.push_back(std::move(question));
     }
     /// The answer has a digit for each path string: 2, 1 or 0.
-    void add_table(const std::string& text, const display::WordTable& table) {
+    void add_table(const std::string& text, const display::PathStringTable& table) {
         Json events = Json::array(), words = Json::array();
         for (const lpe::Event& event : table.events) events.push_back(json_of(event));
         for (const auto& word : table.words) {
             words.push_back(Json::array());
             for (const auto letter : word)
-                words.back().push_back(letter == display::WordAlphabet::open ? -1 : static_cast<int>(letter));
+                words.back().push_back(letter == display::PathAlphabet::open ? -1 : static_cast<int>(letter));
         }
         questions_.push_back(
             {{"text", text}, {"table", {{"events", events}, {"letters", table.letters}, {"words", words}}}});
@@ -108,7 +108,7 @@ class PageQuestions {
 std::string compiled_answer(const std::string& text, const std::vector<oracle::Path>& paths) {
     lpe::ChannelSource source;
     source.expression = text;
-    const auto program = lpe::Program::compile({&source, 1}, {.any_word = true});
+    const auto program = lpe::Program::compile({&source, 1}, {.any_path_string = true});
     if (!program) return "ERR " + std::to_string(program.error().column);
     std::string found;
     for (const oracle::Path& path : paths) {
@@ -208,7 +208,7 @@ TEST_CASE("a page answers as the compiler does on the conformance vectors and on
 TEST_CASE("a page answers merged path strings as raylex ask does", "[words][gate][gate]") {
     const Folder folder;
     if (!has_browser(folder)) RAYLEX_SKIP("needs the package chromium");
-    display::WordTable table;
+    display::PathStringTable table;
     const auto events =
         lpe::parse_events("R,D,floor R,S,wall,coat T,S,ball T,s V,-,fog R,G,floor L,-,key L,- B,- O,-,'a b'");
     REQUIRE(events);
@@ -222,13 +222,13 @@ TEST_CASE("a page answers merged path strings as raylex ask does", "[words][gate
     for (int round = 0; round < 200; ++round) {
         table.words.clear();
         for (int w = 0; w < 30; ++w) {
-            std::vector<display::WordTable::Letter> word;
+            std::vector<display::PathStringTable::Letter> word;
             for (std::size_t length = random.below(5); length > 0; --length)
-                word.push_back(static_cast<display::WordTable::Letter>(random.below(5)));
+                word.push_back(static_cast<display::PathStringTable::Letter>(random.below(5)));
             // One or more scattering events, or two or more, as merged by a budget.
             for (std::size_t open = random.below(6); open > 0 && open < 3; --open)
-                word.push_back(display::WordAlphabet::open);
-            word.push_back(static_cast<display::WordTable::Letter>(5 + random.below(3)));
+                word.push_back(display::PathAlphabet::open);
+            word.push_back(static_cast<display::PathStringTable::Letter>(5 + random.below(3)));
             table.words.push_back(std::move(word));
         }
         static const char* const pool[] = {
@@ -241,7 +241,7 @@ TEST_CASE("a page answers merged path strings as raylex ask does", "[words][gate
         source.expression = texts.back();
         const auto program = lpe::Program::compile({&source, 1});
         REQUIRE(program);
-        const experiments::WordAnswers answers(table, *program);
+        const experiments::PathStringAnswers answers(table, *program);
         std::string digits;
         for (std::uint32_t w = 0; w < table.words.size(); ++w) {
             const int answer = !answers.all(w).empty() ? 2 : !answers.some(w).empty() ? 1 : 0;

@@ -88,12 +88,12 @@ TEST_CASE("raylex scene info lists media by name") {
 
 TEST_CASE("raylex scene check finds likely mistakes with their lines, and exits with 1") {
     const Folder folder;
-    const auto check = [&](const std::string& world, const std::string& doubt) {
+    const auto check = [&](const std::string& world, const std::string& warning) {
         folder.write("doubtful.pbrt", "Camera \"perspective\"\nWorldBegin\n" + world);
         const Outcome outcome = run_raylex(folder, "scene check doubtful.pbrt");
         CAPTURE(world, outcome.out, outcome.err);
-        CHECK(outcome.code == (doubt.empty() ? 0 : 1));
-        CHECK(contains(outcome.out, doubt.empty() ? "0 likely mistakes" : doubt));
+        CHECK(outcome.code == (warning.empty() ? 0 : 1));
+        CHECK(contains(outcome.out, warning.empty() ? "0 likely mistakes" : warning));
     };
     const std::string sky = "LightSource \"infinite\"\n";
     const std::string face = "Shape \"trianglemesh\" \"integer indices\" [0 1 2] \"point3 P\" [0 0 5  1 0 5  0 1 5] ";
@@ -169,7 +169,7 @@ TEST_CASE("raylex scene check finds likely mistakes with their lines, and exits 
 
 TEST_CASE("raylex scene check checks texture coordinates where something uses them, in mixes and patches too") {
     const Folder folder;
-    const auto doubts = [&](const std::string& textures, const std::string& material, bool patch) {
+    const auto warnings = [&](const std::string& textures, const std::string& material, bool patch) {
         folder.write("uv.pbrt",
                      "WorldBegin\nLightSource \"infinite\"\n" + textures + "\n" + material + "\nShape " +
                          (patch ? "\"bilinearmesh\" \"point3 P\" [0 0 5  1 0 5  0 1 5  1 1 5]"
@@ -183,19 +183,19 @@ TEST_CASE("raylex scene check checks texture coordinates where something uses th
     };
     const std::string by_a = "Material \"diffuse\" \"texture reflectance\" \"a\"";
     const std::string checks = "Texture \"a\" \"spectrum\" \"checkerboard\" ";
-    CHECK(doubts(checks, by_a, false));
-    CHECK(doubts(checks, by_a, true));
-    CHECK_FALSE(doubts(checks + "\"string mapping\" \"planar\"", by_a, false));
-    CHECK_FALSE(doubts("Texture \"a\" \"spectrum\" \"marble\"", by_a, false));
+    CHECK(warnings(checks, by_a, false));
+    CHECK(warnings(checks, by_a, true));
+    CHECK_FALSE(warnings(checks + "\"string mapping\" \"planar\"", by_a, false));
+    CHECK_FALSE(warnings("Texture \"a\" \"spectrum\" \"marble\"", by_a, false));
     CHECK(
-        doubts("Texture \"b\" \"spectrum\" \"checkerboard\"\n"
-               "Texture \"a\" \"spectrum\" \"scale\" \"texture tex\" \"b\" \"float scale\" .5",
-               by_a, false));
-    CHECK(doubts(checks,
-                 "MakeNamedMaterial \"x\" \"string type\" \"diffuse\" \"texture reflectance\" \"a\"\n"
-                 "MakeNamedMaterial \"y\" \"string type\" \"diffuse\"\n"
-                 "Material \"mix\" \"string materials\" [\"x\" \"y\"]",
-                 false));
+        warnings("Texture \"b\" \"spectrum\" \"checkerboard\"\n"
+                 "Texture \"a\" \"spectrum\" \"scale\" \"texture tex\" \"b\" \"float scale\" .5",
+                 by_a, false));
+    CHECK(warnings(checks,
+                   "MakeNamedMaterial \"x\" \"string type\" \"diffuse\" \"texture reflectance\" \"a\"\n"
+                   "MakeNamedMaterial \"y\" \"string type\" \"diffuse\"\n"
+                   "Material \"mix\" \"string materials\" [\"x\" \"y\"]",
+                   false));
 }
 
 TEST_CASE("raylex scene check refuses the same scenes as a render, and conflicting options") {

@@ -40,15 +40,15 @@ transport::SceneDescription described(const std::string& text) {
     return std::move(*scene);
 }
 
-SceneWords words_of(const Job& job = {}, const std::string& text = scene_text) {
+ScenePathStrings path_strings_of(const Job& job = {}, const std::string& text = scene_text) {
     auto scene = described(text);
     REQUIRE(transport::apply_label_rules(scene, job.label_rules).ok());
-    auto words = scene_words(job, scene);
+    auto words = scene_path_strings(job, scene);
     if (!words) FAIL(words.error().to_string());
     return std::move(*words);
 }
 
-std::string never(const std::string& expression, const SceneWords& scene) {
+std::string never(const std::string& expression, const ScenePathStrings& scene) {
     const auto why = why_never({"mine", expression}, scene);
     if (!why) FAIL(why.error().to_string());
     return why->value_or("");
@@ -61,9 +61,9 @@ bool mentions(const std::string& text, const std::string& part) {
 }  // namespace
 
 TEST_CASE("a scene's words have its labels, lobes, lights and depth, and no others") {
-    const SceneWords scene = words_of();
+    const ScenePathStrings scene = path_strings_of();
     const auto can = [&](const std::string& expression) {
-        const auto word = lpe::find_word({"", expression}, scene.words);
+        const auto word = lpe::find_path_string({"", expression}, scene.words);
         REQUIRE(word.ok());
         return word->has_value();
     };
@@ -78,14 +78,14 @@ TEST_CASE("a scene's words have its labels, lobes, lights and depth, and no othe
     CHECK(can("C.{3}L"));
     Job deeper;
     deeper.settings.paths.max_depth = 4;
-    const auto word = lpe::find_word({"", "C.{4}L"}, words_of(deeper).words);
+    const auto word = lpe::find_path_string({"", "C.{4}L"}, path_strings_of(deeper).words);
     REQUIRE(word.ok());
     CHECK(word->has_value());
 }
 
 TEST_CASE("words have no bound if events inside a body do not count, and a larger one if mirrors do not count") {
     const auto can = [&](const std::string& expression, const std::string& text) {
-        const auto word = lpe::find_word({"", expression}, words_of({}, text).words);
+        const auto word = lpe::find_path_string({"", expression}, path_strings_of({}, text).words);
         REQUIRE(word.ok());
         return word->has_value();
     };
@@ -99,7 +99,7 @@ TEST_CASE("words have no bound if events inside a body do not count, and a large
 }
 
 TEST_CASE("the reason for a black channel is given, with the closest match if there is one") {
-    const SceneWords scene = words_of();
+    const ScenePathStrings scene = path_strings_of();
     CHECK(never("C.*L", scene).empty());
     CHECK(never("nothruput;CU2L", scene).empty());
     CHECK(never("C[<RD'flor'>S]L", scene).empty());
@@ -129,7 +129,7 @@ TEST_CASE("a scene's words have V and O events only if media scatter and emit") 
     text.replace(
         text.find("LookAt"), 0,
         "MakeNamedMedium \"haze\" \"string type\" \"homogeneous\" \"rgb Le\" [1 1 1]\nMediumInterface \"haze\"\n");
-    const SceneWords scene = words_of({}, text);
+    const ScenePathStrings scene = path_strings_of({}, text);
     for (const char* expression : {"CVL", "C<V.'haze'>L", "CV<RD'floor'>O", "CO", "C<V.'h*'>O"}) {
         CAPTURE(expression);
         CHECK(never(expression, scene).empty());
@@ -141,19 +141,19 @@ TEST_CASE("a scene's words have V and O events only if media scatter and emit") 
     check("C<V.'hase'>L", "a medium that scatters (V) labelled 'hase', and this scene has none; did you mean 'haze'?");
     check("C<O.'key'>", "emission (O) with the label 'key', and emitting objects of this scene have none");
     text.replace(text.find("\"rgb Le\" [1 1 1]"), 16, "\"rgb sigma_s\" [0 0 0]");
-    const SceneWords dark = words_of({}, text);
+    const ScenePathStrings dark = path_strings_of({}, text);
     CHECK(mentions(never("CVL", dark), "a medium that scatters (V), and this scene has none"));
     CHECK(mentions(never("CO", dark), "nothing in this scene emits"));
     // The shipped partition's `volume` can match if something scatters.
     for (const auto& [words, live] : {std::pair(&scene, true), std::pair(&dark, false)}) {
-        const auto word = lpe::find_word({"volume", "CV.*"}, words->words);
+        const auto word = lpe::find_path_string({"volume", "CV.*"}, words->words);
         REQUIRE(word.ok());
         CHECK(word->has_value() == live);
     }
 }
 
 TEST_CASE("unknown labels are named even if the channel matches without them") {
-    const SceneWords scene = words_of();
+    const ScenePathStrings scene = path_strings_of();
     const auto notes = [&](const std::string& expression) {
         const auto unknown = unknown_labels({"mine", expression}, scene);
         REQUIRE(unknown.ok());
@@ -185,7 +185,7 @@ TEST_CASE("planning stays fast on a thousand labels", "[performance]") {
             {std::string("c").append(number), "C<RD'part_" + number + "'>.*", lpe::Dialect::renderman, {}});
     }
     job.expressions.push_back({"dead", "C<RD'prt_7'>.*", lpe::Dialect::renderman, {}});
-    const SceneWords scene = words_of(job, text);
+    const ScenePathStrings scene = path_strings_of(job, text);
     CHECK(scene.words.alphabet->scattering.size() > 2000);
     const std::clock_t start = std::clock();
     const auto plan = plan_channels(job, scene);

@@ -7,8 +7,8 @@
 #include <set>
 
 #include "experiments/stability/suite/case_file.h"
+#include "experiments/stability/suite/check_line.h"
 #include "experiments/stability/suite/formula.h"
-#include "experiments/stability/suite/judge_line.h"
 #include "support.h"
 #include "tests/support/paths.h"
 
@@ -44,9 +44,9 @@ StabilityCase case_with(const std::string& tolerance, Comparison comparison = Co
     return each;
 }
 
-LineResult judged(const StabilityCase& what, const ProbeResult& result, const Setting& setting = {}) {
+LineResult checked(const StabilityCase& what, const ProbeResult& result, const Setting& setting = {}) {
     LineResult line;
-    REQUIRE(judge(what, setting, result, line).ok());
+    REQUIRE(run_checks(what, setting, result, line).ok());
     return line;
 }
 
@@ -84,22 +84,22 @@ TEST_CASE("tolerances are sums of standard errors, ulps, shares and numbers", "[
     result.expected = 10.5;
     result.standard_error = 0.1;
     // ulp(10.5) in float is 2^-20.
-    CHECK(judged(case_with("4 se + 2 ulp + 0.01 rel + 0.001"), result).allowed ==
+    CHECK(checked(case_with("4 se + 2 ulp + 0.01 rel + 0.001"), result).allowed ==
           Approx(0.4 + 2 * 0x1p-20 + 0.105 + 0.001).epsilon(1e-12));
-    CHECK(judged(case_with("5 se"), result).verdict == LineVerdict::holds);
-    CHECK(judged(case_with("4.9 se"), result).verdict == LineVerdict::fails);
-    CHECK(judged(case_with("exact"), result).verdict == LineVerdict::fails);
-    CHECK(judged(case_with("exact", Comparison::at_most), result).verdict == LineVerdict::holds);
-    CHECK(judged(case_with("exact", Comparison::at_least), result).verdict == LineVerdict::fails);
+    CHECK(checked(case_with("5 se"), result).result == LineState::holds);
+    CHECK(checked(case_with("4.9 se"), result).result == LineState::fails);
+    CHECK(checked(case_with("exact"), result).result == LineState::fails);
+    CHECK(checked(case_with("exact", Comparison::at_most), result).result == LineState::holds);
+    CHECK(checked(case_with("exact", Comparison::at_least), result).result == LineState::fails);
     // Two seeds determine their scatter badly: 4 standard errors are as rare as 1e4 of them with one degree of freedom.
     result.degrees = 1;
-    CHECK(judged(case_with("4 se"), result).allowed ==
+    CHECK(checked(case_with("4 se"), result).allowed ==
           Approx(0.1 / std::tan(0.5 * 3.14159265 * 6.334248e-5)).epsilon(1e-4));
     result.measured = NAN;
     for (const Comparison each : {Comparison::equal, Comparison::at_most, Comparison::at_least})
-        CHECK(judged(case_with("1e30", each), result).verdict == LineVerdict::fails);
+        CHECK(checked(case_with("1e30", each), result).result == LineState::fails);
     LineResult line;
-    CHECK(!judge(case_with("exact"), {}, ProbeResult(), line).ok());  // no expected value
+    CHECK(!run_checks(case_with("exact"), {}, ProbeResult(), line).ok());  // no expected value
 }
 
 TEST_CASE("a case of a scene is rendered for every combination and judged", "[stability][cli]") {

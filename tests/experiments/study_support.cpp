@@ -109,45 +109,45 @@ Experiment write_synthetic_study(const Folder& folder, const SyntheticStudy& stu
             for (int replicate = 0; replicate < study.replicates; ++replicate)
                 for (int variant = 0; variant < study.variants; ++variant) {
                     const double samples = 16 * std::exp2(budget);
-                    Cell cell;
-                    cell.scene = scene.name;
-                    cell.method = experiment.methods[static_cast<std::size_t>(variant < 3 ? variant : 0)].name;
-                    if (cell.method == "path")
-                        cell.settings = {{"max_depth", std::to_string(variant < 3 ? 4 : 2 + variant)}};
-                    cell.id = scene.name + ".v" + std::to_string(variant) + "." + std::to_string(budget) + ".r" +
-                              std::to_string(replicate);
-                    cell.budget = samples;
-                    cell.replicate = static_cast<unsigned>(replicate);
-                    cell.seed = experiment.cells.size() + 1;
-                    cell.samples_per_pixel = static_cast<std::uint64_t>(samples);
-                    cell.phases = {{"load", 0.05, 0.05},
-                                   {"build", 0.01, 0.02},
-                                   {"prepare", 0.06, 0.07},
-                                   {"render", samples * 0.01 * (1 + 0.1 * variant), samples * 0.02},
-                                   {"write", 0.2, 0.1}};
-                    for (const Phase& phase : cell.phases) {
+                    StudyRun run;
+                    run.scene = scene.name;
+                    run.method = experiment.methods[static_cast<std::size_t>(variant < 3 ? variant : 0)].name;
+                    if (run.method == "path")
+                        run.settings = {{"max_depth", std::to_string(variant < 3 ? 4 : 2 + variant)}};
+                    run.id = scene.name + ".v" + std::to_string(variant) + "." + std::to_string(budget) + ".r" +
+                             std::to_string(replicate);
+                    run.budget = samples;
+                    run.replicate = static_cast<unsigned>(replicate);
+                    run.seed = experiment.runs.size() + 1;
+                    run.samples_per_pixel = static_cast<std::uint64_t>(samples);
+                    run.phases = {{"load", 0.05, 0.05},
+                                  {"build", 0.01, 0.02},
+                                  {"prepare", 0.06, 0.07},
+                                  {"render", samples * 0.01 * (1 + 0.1 * variant), samples * 0.02},
+                                  {"write", 0.2, 0.1}};
+                    for (const Phase& phase : run.phases) {
                         // other phases do not count as its time
                         if (phase.name != "prepare" && phase.name != "render") continue;
-                        cell.wall_seconds += phase.wall_seconds;
-                        cell.cpu_seconds += phase.cpu_seconds;
+                        run.wall_seconds += phase.wall_seconds;
+                        run.cpu_seconds += phase.cpu_seconds;
                     }
-                    cell.rays = 1000000;
-                    cell.splits = {{"bounces", true, 1e-8}};
-                    cell.directory = root + "/cells/" + cell.id;
-                    write_images(cell.directory, scene,
-                                 simulate(study, samples, random, cell.method == "skewed" ? 1.05 : 1,
-                                          cell.method == "clamped" ? 0.9 : 1),
+                    run.rays = 1000000;
+                    run.splits = {{"bounces", true, 1e-8}};
+                    run.directory = root + "/cells/" + run.id;
+                    write_images(run.directory, scene,
+                                 simulate(study, samples, random, run.method == "skewed" ? 1.05 : 1,
+                                          run.method == "clamped" ? 0.9 : 1),
                                  samples);
-                    REQUIRE(write_cell_file(cell.directory + "/cell.json", cell));
-                    experiment.cells.push_back(cell);
+                    REQUIRE(write_run_file(run.directory + "/cell.json", run));
+                    experiment.runs.push_back(run);
                 }
-    Cell failed = experiment.cells.front();
+    StudyRun failed = experiment.runs.front();
     failed.id += "x";
     failed.failed = true;
     failed.failure = "killed by the <system>";
     failed.directory.clear();
-    REQUIRE(write_cell_file(root + "/failed/" + failed.id + ".json", failed));
-    experiment.cells.push_back(failed);
+    REQUIRE(write_run_file(root + "/failed/" + failed.id + ".json", failed));
+    experiment.runs.push_back(failed);
     experiment.missing = {"ramp.path.999.r0"};
     return experiment;
 }

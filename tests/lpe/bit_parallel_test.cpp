@@ -114,7 +114,7 @@ TEST_CASE("128 channels that each look for a label anywhere take five words", "[
 }
 
 TEST_CASE("channels share tables and words of bits so that a path's state takes the fewest words", "[bit-parallel]") {
-    const auto words_of = [](const char* family, const char* other) {
+    const auto path_strings_of = [](const char* family, const char* other) {
         std::vector<ChannelSource> channels;
         add_family(channels, family, 24, Dialect::renderman);
         add_family(channels, other, 24, Dialect::renderman);
@@ -123,10 +123,10 @@ TEST_CASE("channels share tables and words of bits so that a path's state takes 
         return program->word_count();
     };
     // A table whose states grow like a sum is one word. 48 labels anywhere take the phase and two words of bits.
-    CHECK(words_of("C<RD'@'>L", "C<RD'@'>[DSV]*L") == 1);
-    CHECK(words_of("C.*<RD'@'>L", "C.*<RD'@'>.*L") == 3);
+    CHECK(path_strings_of("C<RD'@'>L", "C<RD'@'>[DSV]*L") == 1);
+    CHECK(path_strings_of("C.*<RD'@'>L", "C.*<RD'@'>.*L") == 3);
     // Automata of three bits take the phase and three words, fewer than their tables; the others join them as bits.
-    CHECK(words_of("C.*<.D'@'>.*<..'@'>.[LO]", "C<RD'@'>[DSV]*L") == 4);
+    CHECK(path_strings_of("C.*<.D'@'>.*<..'@'>.[LO]", "C<RD'@'>[DSV]*L") == 4);
 }
 
 TEST_CASE("bit-parallel automata of every width, in both dialects, accept what each channel accepts alone",

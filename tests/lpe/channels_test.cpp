@@ -39,7 +39,7 @@ std::string written(const ChannelFile& file, ChannelFormat format) {
 
 /// The error of the channel's expression.
 Error expression_error(const ChannelFile& file, std::size_t channel = 0) {
-    const auto word = find_word(file.channels.at(channel).source);
+    const auto word = find_path_string(file.channels.at(channel).source);
     REQUIRE_FALSE(word);
     return word.error();
 }

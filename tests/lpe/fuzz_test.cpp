@@ -79,7 +79,7 @@ void throw_at(std::uint64_t seed, int rounds) {
         ChannelSource source;
         source.expression = random_text(random, 12);
         source.dialect = round % 2 == 0 ? Dialect::renderman : Dialect::osl;
-        const auto program = Program::compile({&source, 1}, {.any_word = round % 3 == 0});
+        const auto program = Program::compile({&source, 1}, {.any_path_string = round % 3 == 0});
         if (!program) {
             REQUIRE_FALSE(program.error().message.empty());
             continue;

@@ -43,7 +43,7 @@ TEST_CASE("every built-in name parses and can match", "[macros]") {
     REQUIRE(builtin_names().size() == 16);
     for (const NamedExpression& entry : builtin_names()) {
         INFO(entry.name);
-        const auto word = find_word(macro_source(std::string(entry.name)));
+        const auto word = find_path_string(macro_source(std::string(entry.name)));
         REQUIRE(word);
         CHECK(word->has_value());
         CHECK(expanded(std::string(entry.name)) == entry.expression);
@@ -158,7 +158,7 @@ TEST_CASE("an error inside a macro gives the position in its definition", "[macr
     const MacroTable macros = table({{"fine", "C<RD>L"}, {"wrong", "C<RX>L"}});
     auto expansion = expand_names(macro_source("($fine)|$wrong"), macros);
     REQUIRE(expansion);
-    const auto word = find_word(expansion->source);
+    const auto word = find_path_string(expansion->source);
     REQUIRE_FALSE(word);
     CHECK(word.error().file == "rendermn.ini");
     CHECK(word.error().line == 2);

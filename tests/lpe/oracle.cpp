@@ -336,7 +336,7 @@ std::vector<Path> all_paths(Dialect dialect, std::size_t longest) {
     return paths;
 }
 
-ShortWords::ShortWords(Dialect dialect, std::size_t longest)
+ShortPathStrings::ShortPathStrings(Dialect dialect, std::size_t longest)
     : longest_(longest), events_(small_alphabet(dialect)), words_(all_paths(dialect, longest)) {
     for (std::size_t length = 0, first = 0, count = 1; length <= longest; ++length, count *= events_.size()) {
         first_.push_back(first);
@@ -348,7 +348,7 @@ ShortWords::ShortWords(Dialect dialect, std::size_t longest)
     }
 }
 
-ShortWords::Set ShortWords::concatenated(const Set& a, const Set& b) const {
+ShortPathStrings::Set ShortPathStrings::concatenated(const Set& a, const Set& b) const {
     // If words of one length are numbered by value, the words u v for one u and all v of one length have consecutive
     // numbers.
     Set result;
@@ -367,7 +367,7 @@ ShortWords::Set ShortWords::concatenated(const Set& a, const Set& b) const {
     return result;
 }
 
-ShortWords::Set ShortWords::language(const Tree& tree) const {
+ShortPathStrings::Set ShortPathStrings::language(const Tree& tree) const {
     Set result;
     switch (tree.kind) {
         case Kind::event:

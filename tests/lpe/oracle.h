@@ -45,12 +45,12 @@ const std::vector<Event>& alphabet();
 /// All words of at most `longest` events over the small alphabet of all_paths(), and the languages of trees restricted
 /// to them: sets of words, united and concatenated word by word. A second implementation beside matches(), fast enough
 /// for exhaustive tests.
-class ShortWords {
+class ShortPathStrings {
   public:
     static constexpr std::size_t most = 3906;  ///< words of at most 5 events over 5 letters
     using Set = std::bitset<most>;
 
-    ShortWords(Dialect dialect, std::size_t longest);
+    ShortPathStrings(Dialect dialect, std::size_t longest);
 
     /// The words in the order of all_paths(): shorter words first, then by value.
     [[nodiscard]] const std::vector<Path>& words() const { return words_; }

@@ -24,7 +24,7 @@ State run(const Program& program, State state, const oracle::Path& path) {
 }
 
 struct Tally {
-    std::size_t expressions = 0, refused = 0, accepted_words = 0, words = 0;
+    std::size_t expressions = 0, refused = 0, accepted_path_strings = 0, words = 0;
 };
 
 /// Compares every sequence of `length` tokens; the first difference fails the test with its text.
@@ -35,7 +35,7 @@ void compare_all(Dialect dialect, std::size_t length, const std::vector<oracle::
         const std::string text = oracle::text_of(sequence, dialect);
         const auto tree = oracle::parse(sequence, dialect);
         const ChannelSource source = source_of(text, dialect);
-        const auto program = Program::compile({&source, 1}, {.any_word = true});
+        const auto program = Program::compile({&source, 1}, {.any_path_string = true});
         if (program.ok() != (tree != nullptr)) {
             FAIL("'" << text << "' is " << (tree ? "an expression but was refused" : "no expression but was accepted"));
         }
@@ -44,7 +44,7 @@ void compare_all(Dialect dialect, std::size_t length, const std::vector<oracle::
             const bool found = program->accepts_any(run(*program, program->starts()[0], path));
             const bool expected = oracle::matches(*tree, path, dialect);
             ++tally.words;
-            tally.accepted_words += expected ? 1 : 0;
+            tally.accepted_path_strings += expected ? 1 : 0;
             if (found != expected) {
                 FAIL("'" << text << "' on '" << to_text(path) << "': " << found << ", oracle " << expected);
             }
@@ -59,7 +59,7 @@ void compare_all(Dialect dialect, std::size_t length, const std::vector<oracle::
 
 /// Compares by sets of words; skips sequences that are not expressions, whose refusal compare_all() checks.
 void compare_all_languages(Dialect dialect, std::size_t length, Tally& tally) {
-    const oracle::ShortWords universe(dialect, 5);
+    const oracle::ShortPathStrings universe(dialect, 5);
     const std::size_t count = oracle::tokens(dialect).size();
     std::vector<std::size_t> sequence(length, 0);
     std::vector<State> states(universe.words().size());
@@ -68,7 +68,7 @@ void compare_all_languages(Dialect dialect, std::size_t length, Tally& tally) {
         if (const auto tree = oracle::parse(sequence, dialect)) {
             const std::string text = oracle::text_of(sequence, dialect);
             const ChannelSource source = source_of(text, dialect);
-            const auto program = Program::compile({&source, 1}, {.any_word = true});
+            const auto program = Program::compile({&source, 1}, {.any_path_string = true});
             if (!program) FAIL("'" << text << "' was refused: " << program.error().message);
             for (std::size_t k = 0; k < classes.size(); ++k) classes[k] = program->classify(universe.events()[k]);
             const auto language = universe.language(*tree);
@@ -81,7 +81,7 @@ void compare_all_languages(Dialect dialect, std::size_t length, Tally& tally) {
             }
             ++tally.expressions;
             tally.words += states.size();
-            tally.accepted_words += language.count();
+            tally.accepted_path_strings += language.count();
         }
         more = false;
         for (std::size_t i = length; i-- > 0 && !more;) {
@@ -105,7 +105,7 @@ void compare_random(Dialect dialect, std::uint64_t seed, int rounds) {
             REQUIRE(trees.back() != nullptr);
         }
         // In every second round a small cap distributes the channels over groups, of which five are always enough.
-        CompileOptions options{.group_cap = 5, .any_word = true};
+        CompileOptions options{.group_cap = 5, .any_path_string = true};
         if (round % 2 == 1) options.state_cap = 8;
         const auto program = Program::compile(sources, options);
         INFO(sources[0].expression << "\n" << sources[1].expression << "\n" << sources[2].expression);
@@ -145,13 +145,13 @@ TEST_CASE("every expression of up to three tokens agrees with the oracle on ever
         for (std::size_t length = 1; length <= 3; ++length) { compare_all(dialect, length, paths, tally); }
         CHECK(tally.expressions > 1000);
         CHECK(tally.refused > 1000);
-        CHECK(tally.accepted_words > 1000);
+        CHECK(tally.accepted_path_strings > 1000);
     }
 }
 
 TEST_CASE("the two oracles, by positions and by sets of words, agree", "[release-only][oracle]") {
     for (const Dialect dialect : {Dialect::renderman, Dialect::osl}) {
-        const oracle::ShortWords universe(dialect, 4);
+        const oracle::ShortPathStrings universe(dialect, 4);
         oracle::Random random(24);
         for (int round = 0; round < 60; ++round) {
             const auto sequence = oracle::random_expression(random, dialect, 2 + random.below(5));
@@ -173,10 +173,10 @@ TEST_CASE("every expression of four and of five tokens agrees with the oracle on
         Tally tally;
         compare_all_languages(dialect, 4, tally);
         compare_all_languages(dialect, 5, tally);
-        WARN(tally.expressions << " expressions, " << tally.accepted_words << " of " << tally.words
+        WARN(tally.expressions << " expressions, " << tally.accepted_path_strings << " of " << tally.words
                                << " words accepted");
         CHECK(tally.expressions > 100'000);
-        CHECK(tally.accepted_words > 1'000'000);
+        CHECK(tally.accepted_path_strings > 1'000'000);
     }
 }
 

@@ -47,7 +47,7 @@ std::set<std::size_t> accepted_by(const Program& program, const std::vector<Even
 }
 
 /// A random word of W over the labels of the benchmark sets.
-std::vector<Event> random_word(oracle::Random& random) {
+std::vector<Event> random_path_string(oracle::Random& random) {
     const char* objects[] = {"floor", "wall", "hero", "glass", "skin", "thing", ""};
     const char* lights[] = {"key", "fill", "rim", "env", "lamp", ""};
     std::vector<Event> word{{EventType::camera, Scatter::none, 0, {}}};
@@ -93,7 +93,7 @@ TEST_CASE("channels that multiply are distributed over groups, and small ones ar
     CHECK(spread->word_count() > program->word_count());
     tight.state_cap = 300;
     tight.group_cap = 2;
-    tight.any_word = true;  // then nothing is packed
+    tight.any_path_string = true;  // then nothing is packed
     const auto refused = Program::compile(channels, tight);
     REQUIRE_FALSE(refused);
     CHECK(refused.error().message.find("2 are allowed") != std::string::npos);
@@ -119,14 +119,14 @@ TEST_CASE("channels compiled together accept the same paths as separately, in on
         REQUIRE(spread);
         std::vector<Program> alone;
         for (const ChannelSource& channel : channels) {
-            auto program = Program::compile({&channel, 1}, {.any_word = true});
+            auto program = Program::compile({&channel, 1}, {.any_path_string = true});
             REQUIRE(program);
             alone.push_back(std::move(*program));
         }
         oracle::Random random(7);
         std::size_t matches = 0;
         for (int round = 0; round < 300; ++round) {
-            const auto word = random_word(random);
+            const auto word = random_path_string(random);
             std::set<std::size_t> expected;
             for (std::size_t k = 0; k < alone.size(); ++k) {
                 if (!accepted_by(alone[k], word).empty()) { expected.insert(k); }
@@ -151,7 +151,7 @@ TEST_CASE("the rest layer counts every path of the beauty that its channels do n
     oracle::Random random(11);
     std::size_t rest = 0;
     for (int round = 0; round < 2000; ++round) {
-        const auto word = random_word(random);
+        const auto word = random_path_string(random);
         const auto found = accepted_by(*program, word);
         INFO(to_text(word));
         REQUIRE(found.count(2) == (found.count(0) + found.count(1) == 0 ? 1U : 0U));
@@ -207,7 +207,7 @@ TEST_CASE("equal languages give equal tables", "[program]") {
     // The minimal automaton is unique and has a canonical numbering, so different texts give the same tables.
     const auto tables = [](const char* expression) {
         ChannelSource source{.name = {}, .expression = expression};
-        const auto program = Program::compile({&source, 1}, {.any_word = true});
+        const auto program = Program::compile({&source, 1}, {.any_path_string = true});
         REQUIRE(program);
         std::vector<std::size_t> numbers{program->state_count(), program->starts()[0]};
         for (State state = 0; state < program->state_count(); ++state) {

@@ -50,8 +50,8 @@ std::vector<Event> random_spelling(oracle::Random& random) {
 }
 
 /// Joins every split of random words and compares with forward matching.
-void check_joins(const std::vector<ChannelSource>& channels, const CompileOptions& options, bool has_parallel,
-                 std::size_t least_words) {
+void check_connections(const std::vector<ChannelSource>& channels, const CompileOptions& options, bool has_parallel,
+                       std::size_t least_words) {
     const auto program = Program::compile(channels, options);
     if (!program) { FAIL(program.error().to_string()); }
     REQUIRE(program->view().has_parallel() == has_parallel);
@@ -78,7 +78,7 @@ void check_joins(const std::vector<ChannelSource>& channels, const CompileOption
         bool alive = true;
         for (std::size_t split = word.size();; --split) {
             std::set<std::size_t> found;
-            const bool joined = reversed->join(camera[split].data(), light.data(), whole.data());
+            const bool joined = reversed->connect(camera[split].data(), light.data(), whole.data());
             program->for_each_accepted(whole.data(), [&](std::uint16_t k) { found.insert(k); });
             CAPTURE(split);
             REQUIRE(found == expected);
@@ -100,16 +100,17 @@ TEST_CASE("light subpaths connected to camera subpaths match like whole words", 
         std::vector<ChannelSource> channels = shipped(dialect);
         add(channels, dialect, "C<RD'", "'>[DS]*L", 5);
         add(channels, dialect, "CD*<L.'", "'>", 3);
-        check_joins(channels, {}, false, 1);                                                    // one table
-        check_joins(channels, {.state_cap = 12, .group_cap = 20, .any_word = true}, false, 2);  // several tables
+        check_connections(channels, {}, false, 1);  // one table
+        check_connections(channels, {.state_cap = 12, .group_cap = 20, .any_path_string = true}, false,
+                          2);  // several tables
         std::vector<ChannelSource> packed = channels;
         add(packed, dialect, "C.*<RD'", "'>.*L", 40);
-        check_joins(packed, {}, true, 3);  // a table and automata of one bit
+        check_connections(packed, {}, true, 3);  // a table and automata of one bit
         std::vector<ChannelSource> wide;
         add(wide, dialect, "C.*<RD'", "'>.*", 40);
         add(wide, dialect, "C.*<RG'obj1'>.*<RD'", "'>.*", 40);
         add(wide, dialect, "C.*<.D'", "'>.*D.[LO]", 40);
-        check_joins(wide, {}, true, 4);  // wider automata
+        check_connections(wide, {}, true, 4);  // wider automata
     }
 }
 

@@ -39,7 +39,7 @@ TEST_CASE("broken vector files are refused with file, line and column", "[vector
     REQUIRE_FALSE(bad_event);
     CHECK(bad_event.error().line == 2);
     CHECK(bad_event.error().column == 9);
-    const auto bad_verdict = run_vectors_text("CDL\tC,-\tmaybe\n", "mine", Dialect::osl);
-    REQUIRE_FALSE(bad_verdict);
-    CHECK(bad_verdict.error().column == 9);
+    const auto bad_result = run_vectors_text("CDL\tC,-\tmaybe\n", "mine", Dialect::osl);
+    REQUIRE_FALSE(bad_result);
+    CHECK(bad_result.error().column == 9);
 }

@@ -229,14 +229,14 @@ std::vector<std::string> path_atlas(const std::string& folder) {
     return seeds;
 }
 
-std::string cell(const std::string& folder) {
-    experiments::Cell cell;
-    cell.id = "a.path.1spp.r0";
-    cell.scene = "a";
-    cell.method = "path";
-    cell.warnings = {"none"};
+std::string run(const std::string& folder) {
+    experiments::StudyRun run;
+    run.id = "a.path.1spp.r0";
+    run.scene = "a";
+    run.method = "path";
+    run.warnings = {"none"};
     const std::string path = folder + "/seed.json";
-    if (!experiments::write_cell_file(path, cell, display::FileSync::later)) return {};
+    if (!experiments::write_run_file(path, run, display::FileSync::later)) return {};
     return read_bytes(path);
 }
 
@@ -328,7 +328,7 @@ std::vector<InputKind> input_kinds(const std::string& folder) {
         {"spectrum", ".spd", {spectrum_numbers}, read_spectrum},
         {"checkpoint", ".checkpoint", {checkpoint(folder)}, read_record},
         {"program", ".lpe", {compiled_program()}, read_with<lpe::load>},
-        {"cell", ".json", {cell(folder)}, read_with<experiments::read_cell_file>},
+        {"cell", ".json", {run(folder)}, read_with<experiments::read_run_file>},
     };
 }
 

@@ -55,7 +55,7 @@ TEST_CASE("scene search: every invariant holds of random scenes, or they are ref
     options.means_every = 40;
     const SearchReport report = search(options, folder);
     for (const Finding& finding : report.findings)
-        FAIL_CHECK("scene " << finding.scene << ", " << finding.invariant << ": " << finding.verdict.note << "\n"
+        FAIL_CHECK("scene " << finding.scene << ", " << finding.invariant << ": " << finding.result.note << "\n"
                             << finding.text);
     // Most scenes must be worth the trouble, and every invariant must have been asked.
     CHECK(report.scenes == options.scenes);
@@ -99,7 +99,7 @@ TEST_CASE("scene search: a process that dies is a finding", "[invariants]") {
     const SearchReport report = search(options, folder);
     REQUIRE(report.findings.size() == 1);
     CHECK(report.findings[0].invariant == "death");
-    CHECK(report.findings[0].verdict.note.find("SIGKILL") != std::string::npos);
+    CHECK(report.findings[0].result.note.find("SIGKILL") != std::string::npos);
     INFO(report.findings[0].text);
     CHECK(report.findings[0].lines <= 3);
 }
@@ -114,6 +114,6 @@ TEST_CASE("scene search: every invariant holds for as long as the environment as
     options.seed = seed != nullptr ? std::strtoull(seed, nullptr, 10) : 0;
     const auto report = search_scenes(options);
     REQUIRE(report.ok());
-    for (const Finding& finding : report->findings) FAIL_CHECK(finding.file << ": " << finding.verdict.note);
+    for (const Finding& finding : report->findings) FAIL_CHECK(finding.file << ": " << finding.result.note);
     WARN(report->scenes << " scenes, " << report->refused << " refused, " << report->tame << " of ordinary size");
 }

@@ -30,7 +30,7 @@ void check_lines(const SuiteOptions& options) {
     const auto families = read({own_cases});
     const auto results = run_suite(families, options, nullptr, [](const std::vector<LineResult>& lines) {
         for (const LineResult& line : lines)
-            if (line.verdict != LineVerdict::holds)
+            if (line.result != LineState::holds)
                 FAIL_CHECK(line.family << ", " << line.name << ", " << line.setting << ": expected " << line.expected
                                        << ", measured " << line.measured << ", tolerance " << line.tolerance << "; "
                                        << line.note);

@@ -29,14 +29,14 @@ Shape "sphere" "float radius" 2
 }
 
 /// A path of the enclosure: its reflections from the camera, 'D' and 'S', and its light.
-struct EnclosureWord {
+struct EnclosurePathString {
     std::string reflections;
     double value;
 };
 
 /// All path strings of up to `longest` reflections, shorter ones first.
-inline std::vector<EnclosureWord> enclosure_words(double kd, double ks, std::size_t longest) {
-    std::vector<EnclosureWord> words{{"", 1}};
+inline std::vector<EnclosurePathString> enclosure_path_strings(double kd, double ks, std::size_t longest) {
+    std::vector<EnclosurePathString> words{{"", 1}};
     for (std::size_t i = 0; words[i].reflections.size() < longest; ++i) {
         words.push_back({words[i].reflections + "D", words[i].value * kd});
         words.push_back({words[i].reflections + "S", words[i].value * ks});
@@ -46,7 +46,7 @@ inline std::vector<EnclosureWord> enclosure_words(double kd, double ks, std::siz
 
 /// Whether the light tracer finds the path: it connects light paths with the camera at a vertex with a density, so it
 /// finds no path that the camera sees through a mirror.
-inline bool light_tracer_finds(const EnclosureWord& word) {
+inline bool light_tracer_finds(const EnclosurePathString& word) {
     return word.reflections.rfind('S', 0) != 0;
 }
 

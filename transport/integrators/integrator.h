@@ -90,7 +90,7 @@ struct IntegratorTraits {
     SavedState saved_state = SavedState::unknown;
     /// Every contribution is reported with its path string, as a path atlas needs. False: contributions are sums by
     /// channel.
-    bool tells_words = true;
+    bool reports_path_strings = true;
     /// Light lands at raster positions of its own (ThreadServices::raster). Features that need samples of one pixel are
     /// then refused: layers of statistics, adaptive sampling, sample filters, deep images, and for light all rules but
     /// the pixel filter. Moments (ChannelDefinition::statistics) are not kept.

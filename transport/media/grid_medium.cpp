@@ -4,11 +4,11 @@ namespace raylex::transport {
 namespace {
 
 /// Below this throughput, Russian roulette ends a ray with probability one half, or doubles the throughput.
-constexpr Real worth_going_on = Real(0.1);
+constexpr Real least_followed = Real(0.1);
 
 /// Plays Russian roulette; returns false if the ray ends, with nothing left.
 bool plays_on(Rgb& left, FlightNumbers& numbers) {
-    if (left.max() >= worth_going_on) return true;
+    if (left.max() >= least_followed) return true;
     const bool wins = numbers.next() < Real(0.5);
     left *= wins ? Real(2) : Real(0);
     return wins;

@@ -95,7 +95,7 @@ std::vector<lpe::Event> scene_events(const SceneView& scene, const lpe::LobeSlot
 EventTable::EventTable(const display::LpeSetup& setup, const SceneView& scene, const lpe::LobeSlots& slots, bool prunes,
                        bool regularizes)
     : prunes_(prunes) {
-    any_ = setup.reads_words();
+    any_ = setup.reads_path_strings();
     const std::span<const LobeKind> kinds = lobe_kinds();
     lobe_count_ = kinds.size();
     for (const std::string& label : scene.geometry->object_labels()) {

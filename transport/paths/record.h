@@ -81,7 +81,7 @@ class Record {
     /// Reports a user event of the surface. Calls `value()` only if a channel takes it. `throughput` is that of the
     /// path to the surface.
     template <class Value>
-    void say(std::uint32_t row, std::int32_t label, UserLobe lobe, const Rgb& throughput, Value value) const;
+    void report_user(std::uint32_t row, std::int32_t label, UserLobe lobe, const Rgb& throughput, Value value) const;
 
     /// Whether the subpath can still find light that a channel takes.
     [[nodiscard]] bool is_live(std::uint32_t row) const {
@@ -140,7 +140,7 @@ class Record {
     void reach(display::Tracker& tracker, const LightEnd& end) const {
         if (!events_->any()) return;
         scatter(tracker, end.label, end.lobes);
-        lpe_->join(tracker, *end.words, end.word);
+        lpe_->connect(tracker, *end.words, end.word);
     }
     void reach_light(display::Tracker& tracker, std::uint32_t light) const {
         lpe_->move(tracker, events_->terminal(light));
@@ -199,36 +199,37 @@ class LightRecord {
     LightRecord(const EventTable& events, const LightLanguage* language, std::size_t rows)
         : events_(&events), language_(language) {
         if (language == nullptr) return;
-        words_.emplace(language->reversed(), language->keeps_paths());
-        word_.resize(rows);
+        pool_.emplace(language->reversed(), language->keeps_paths());
+        suffixes_of_row_.resize(rows);
     }
     /// Clears all suffixes.
     void begin(display::LpeServices& lpe) {
         lpe_ = &lpe;
-        if (words_) words_->clear();
+        if (pool_) pool_->clear();
     }
     void leave_light(std::uint32_t row, std::uint32_t light) {
-        if (words_) word_[row] = lpe_->begin(*words_, events_->terminal(light));
+        if (pool_) suffixes_of_row_[row] = lpe_->begin(*pool_, events_->terminal(light));
     }
     /// `key` seeds the choice between lobes if a suffix cannot keep them all.
     void scatter(std::uint32_t row, std::int32_t label, const LobeList& lobes, std::uint64_t key) {
-        if (!words_) return;
+        if (!pool_) return;
         LobeParts parts;
-        word_[row] = lpe_->prepend(*words_, word_[row], lobe_parts(*events_, label, lobes, parts), key);
+        suffixes_of_row_[row] =
+            lpe_->prepend(*pool_, suffixes_of_row_[row], lobe_parts(*events_, label, lobes, parts), key);
     }
     void pass_through(std::uint32_t row, std::int32_t label) {
-        if (words_) word_[row] = lpe_->prepend(*words_, word_[row], events_->straight(label));
+        if (pool_) suffixes_of_row_[row] = lpe_->prepend(*pool_, suffixes_of_row_[row], events_->straight(label));
     }
     /// Whether a channel can take light of the subpath after further scatterings (Law 4).
     [[nodiscard]] bool is_live(std::uint32_t row) const {
-        return takes_all() || (words_ && language_->liveness().of(*words_, word_[row]).goes_on);
+        return takes_all() || (pool_ && language_->liveness().of(*pool_, suffixes_of_row_[row]).goes_on);
     }
     /// What is live after the current vertex of a row's subpath scatters by any lobe of its material.
     [[nodiscard]] display::SuffixLiveness::LiveSet live_set(std::uint32_t row, std::int32_t label,
                                                             std::int32_t material) const {
         if (takes_all()) return {};
-        if (!words_) return {false, false, false};
-        return language_->liveness().after(*words_, word_[row], events_->scatterings(label, material),
+        if (!pool_) return {false, false, false};
+        return language_->liveness().after(*pool_, suffixes_of_row_[row], events_->scatterings(label, material),
                                            events_->with_density(label, material).size());
     }
     /// Whether a channel can take light of the subpath at its vertex or later, by any lobe of the material there.
@@ -244,16 +245,16 @@ class LightRecord {
     [[nodiscard]] bool is_live_connection(const Record& camera, std::uint32_t row, std::int32_t label,
                                           std::int32_t material, const LightEnd& end,
                                           std::int32_t material_of_end) const {
-        return camera.takes_all(row) || !words_ ||
-               language_->liveness().joins(camera.tracker(row), events_->with_density(label, material), *end.words,
-                                           end.word, events_->with_density(end.label, material_of_end));
+        return camera.takes_all(row) || !pool_ ||
+               language_->liveness().connects(camera.tracker(row), events_->with_density(label, material), *end.words,
+                                              end.word, events_->with_density(end.label, material_of_end));
     }
     /// The light end at the current vertex: the suffix behind the vertex. The vertex itself scatters by LightEnd::lobes
     /// when it is connected.
     [[nodiscard]] LightEnd end(std::uint32_t row, std::int32_t label) const {
         LightEnd end;
         end.label = label;
-        if (words_) end.words = &*words_, end.word = word_[row];
+        if (pool_) end.words = &*pool_, end.word = suffixes_of_row_[row];
         return end;
     }
     [[nodiscard]] const EventTable& events() const { return *events_; }
@@ -264,8 +265,8 @@ class LightRecord {
     const EventTable* events_;
     const LightLanguage* language_;
     display::LpeServices* lpe_ = nullptr;
-    std::optional<display::PathSuffixes> words_;
-    std::vector<display::PathSuffix> word_;  // by row
+    std::optional<display::PathSuffixes> pool_;
+    std::vector<display::PathSuffix> suffixes_of_row_;  // by row
 };
 
 inline void Record::add(const display::Tracker& at_light, display::Technique technique, const Arrival& arrival) const {
@@ -283,7 +284,8 @@ inline void Record::arrive(std::uint32_t row, lpe::EventClass terminal, display:
 }
 
 template <class Value>
-void Record::say(std::uint32_t row, std::int32_t label, UserLobe lobe, const Rgb& throughput, Value value) const {
+void Record::report_user(std::uint32_t row, std::int32_t label, UserLobe lobe, const Rgb& throughput,
+                         Value value) const {
     if (!events_->wants(lobe)) return;
     display::Tracker tracker = trackers_[row];
     lpe_->move(tracker, events_->user(label, lobe));

@@ -136,13 +136,13 @@ Status BuiltScene::place_camera(const SceneDescription& description, const Shutt
 namespace {
 
 /// The events that a scene's surfaces add to its alphabet.
-struct SurfaceWords {
+struct SurfaceEvents {
     std::set<std::string> labels;
     std::set<std::pair<std::string, LobeId>> scattering;  ///< by label
     std::set<std::string> straight;                       ///< labels of pass-through surfaces
     std::vector<std::uint8_t> used_area_lights;           ///< [area light]; those on instances do not emit
 
-    SurfaceWords(const SceneDescription& scene, const MaterialTable& materials, bool regularizes)
+    SurfaceEvents(const SceneDescription& scene, const MaterialTable& materials, bool regularizes)
         : used_area_lights(scene.area_lights.size(), 0), regularizes_(regularizes) {
         for (const SceneShape& shape : scene.shapes) {
             add(scene, materials, shape, shape.label);
@@ -184,7 +184,7 @@ namespace {
 SceneAlphabet alphabet_of(const SceneDescription& scene, const MaterialTable& materials, const MediumTable& media,
                           std::vector<display::ChannelDefinition> pattern_channels, const lpe::LobeSlots& slots,
                           bool regularizes) {
-    const SurfaceWords surfaces(scene, materials, regularizes);
+    const SurfaceEvents surfaces(scene, materials, regularizes);
     std::set<std::string> groups;
 
     SceneAlphabet alphabet;

@@ -20,7 +20,7 @@
 #include "display/services/channel.h"
 #include "display/services/samples/display_services.h"
 #include "display/services/samples/lpe_services.h"
-#include "display/services/samples/word_alphabet.h"
+#include "display/services/samples/path_alphabet.h"
 #include "geoaovs/cryptomatte.h"
 #include "lpe/channels/lobe_slots.h"
 #include "lpe/result.h"
@@ -41,7 +41,7 @@ struct RenderPlan {
     bool splat = false;
     bool raster = false;                                 ///< the integrator's light paths splat anywhere on the image
     bool signed_light = false;                           ///< paths of one wavelength, whose RGB may be negative
-    std::shared_ptr<const display::WordAlphabet> words;  ///< made by LabelSettings::words
+    std::shared_ptr<const display::PathAlphabet> words;  ///< made by LabelSettings::words
     /// changed by sample filters: partitions with these do not sum
     std::vector<display::ChannelId> altered;
     std::vector<display::MemoryItem> memory;  ///< of the frame buffer, layer by layer, and cryptomattes

@@ -14,7 +14,7 @@
 #include "display/checkpoint/record_file.h"
 #include "display/services/channel.h"
 #include "display/services/channel_settings.h"
-#include "display/services/samples/word_alphabet.h"
+#include "display/services/samples/path_alphabet.h"
 #include "geoaovs/cryptomatte.h"
 #include "lpe/channels/lobe_slots.h"
 #include "lpe/result.h"
@@ -101,7 +101,7 @@ struct LabelSettings {
     bool picked_lobes = false;
     /// Set: each contribution of light keeps its path string, and these rules decide which of them differ. A path atlas
     /// needs this and is one of the sinks.
-    std::optional<display::WordRules> words;
+    std::optional<display::PathStringRules> words;
 };
 
 /// The channels of the frame buffer.

@@ -334,7 +334,7 @@ void FrameBuffer::accumulate_channels(const SampleTable& table, const Run& run) 
     if (by_sets) storage.add_sets(table, run);
     const std::span<const Storage::Accumulator> accumulators(
         storage.accumulators.data(),
-        by_sets && !table.sent_apart() ? storage.own_accumulators : storage.accumulators.size());
+        by_sets && !table.sent_separately() ? storage.own_accumulators : storage.accumulators.size());
     // A pixel of each channel is on a different memory page. Prefetching it one run ahead hides the latency; the next
     // run mostly uses the same channels.
     const auto prefetch = [&](const Storage::Accumulator& accumulator, std::size_t pixel) {

@@ -5,7 +5,7 @@
 
 #include "display/buffer/raster_footprint.h"
 #include "display/buffer/sinks/path_atlas_pixel.h"
-#include "display/services/samples/path_words.h"
+#include "display/services/samples/batch_path_strings.h"
 #include "display/services/split_mix.h"
 
 namespace raylex::display {
@@ -71,17 +71,17 @@ PathAtlas::PathAtlas(const Settings& settings)
     : settings_(settings),
       pixels_(static_cast<std::size_t>(settings.width) * static_cast<std::size_t>(settings.height)),
       pools_(std::make_unique<Pools>(quantum_exponent + settings.scale_exponent)),
-      merged_into_(1, WordTree::root) {}
+      merged_into_(1, PathStringTree::root) {}
 
 PathAtlas::~PathAtlas() = default;
 
 /// Finds the atlas's number of a word. New words become ever rarer, and only they make threads wait for each other.
-std::uint32_t PathAtlas::known_as(PathWords& words, std::uint32_t word) {
+std::uint32_t PathAtlas::known_as(BatchPathStrings& words, std::uint32_t word) {
     constexpr std::uint32_t unknown = 0;  // the camera alone is not a word
     if (word < words.known_as.size() && words.known_as[word] != unknown) return words.known_as[word];
-    const std::lock_guard lock(words_mutex_);
-    std::uint32_t known = WordTree::root;
-    for (const WordTree::Letter letter : words.words().letters(word)) known = words_.child(known, letter);
+    const std::lock_guard lock(path_strings_mutex_);
+    std::uint32_t known = PathStringTree::root;
+    for (const PathStringTree::Letter letter : words.words().letters(word)) known = words_.child(known, letter);
     for (auto next = static_cast<std::uint32_t>(merged_into_.size()); next < words_.size(); ++next)
         merged_into_.push_back(next);
     known = survivor(known);
@@ -91,11 +91,11 @@ std::uint32_t PathAtlas::known_as(PathWords& words, std::uint32_t word) {
 }
 
 /// Before a batch: exchanges new events and merges between the words and the atlas.
-void PathAtlas::note_events(PathWords& words) {
+void PathAtlas::note_events(BatchPathStrings& words) {
     if (words.atlas_generation != generation_) words.known_as.clear();
     words.atlas_generation = generation_;
     if (!words.take_news()) return;
-    const std::lock_guard lock(words_mutex_);
+    const std::lock_guard lock(path_strings_mutex_);
     seen_.resize(words.seen().size(), 0);
     for (std::size_t column = 0; column < seen_.size(); ++column) seen_[column] |= words.seen()[column];
     dropped_straight_ = dropped_straight_ || words.dropped_straight();
@@ -148,7 +148,7 @@ void PathAtlas::add(std::size_t pixel, std::uint32_t word, const Sums& light, Re
 }
 
 void PathAtlas::accumulate(const SampleTable& table) {
-    PathWords* const words = table.words();
+    BatchPathStrings* const words = table.words();
     if (words == nullptr || table.discarded()) return;
     note_events(*words);
     thread_local Batch batch;
@@ -174,7 +174,7 @@ void PathAtlas::accumulate(const SampleTable& table) {
             static_cast<void>(add_fixed(pixels_[pixel].weight, weight));
         ++pixels_[pixel].samples[part_of(camera)];
     }
-    for (const PathWords::Entry& entry : words->entries()) {
+    for (const BatchPathStrings::Entry& entry : words->entries()) {
         const auto row = static_cast<std::size_t>(table.original(static_cast<int>(entry.row)));
         const CameraRow& camera = table.camera_row(static_cast<int>(row));
         const double weight = static_cast<double>(camera.filter_weight);
@@ -188,29 +188,30 @@ void PathAtlas::accumulate(const SampleTable& table) {
     Reserves reserves(*pools_);
     const std::span<const Batch::Sum> sums = batch.sums();
     const auto pixel_of = [&](std::size_t i) { return batch.block_pixel[sums[i].key >> 32]; };
-    const auto word_of = [&](std::size_t i) { return 2 * static_cast<std::uint32_t>(sums[i].key); };
+    const auto path_string_of = [&](std::size_t i) { return 2 * static_cast<std::uint32_t>(sums[i].key); };
     const auto with_pixel = [&](std::size_t i, auto function) {
-        if (i < sums.size() && pixel_of(i) != outside) function(pixels_[pixel_of(i)], word_of(i));
+        if (i < sums.size() && pixel_of(i) != outside) function(pixels_[pixel_of(i)], path_string_of(i));
     };
     constexpr std::size_t ahead = 8;
     for (std::size_t i = 0; i < sums.size(); ++i) {
         with_pixel(i + 2 * ahead, [](const Pixel& of, std::uint32_t word) { of.prefetch_slot(word); });
         with_pixel(i + ahead, [&](const Pixel& of, std::uint32_t word) { of.prefetch_entry(word, *pools_); });
-        if (pixel_of(i) != outside) add(pixel_of(i), word_of(i), sums[i].light, reserves);
+        if (pixel_of(i) != outside) add(pixel_of(i), path_string_of(i), sums[i].light, reserves);
     }
 }
 
 void PathAtlas::splat(const SampleTable& table, std::span<const int> rows) {
-    PathWords* const words = table.words();
+    BatchPathStrings* const words = table.words();
     if (words == nullptr || settings_.raster == nullptr) return;
     note_events(*words);
     Reserves reserves(*pools_);
     // Entries of a row are in the order of contributions, and rows are in the same order.
-    const std::span<const PathWords::Entry> entries = words->entries();
+    const std::span<const BatchPathStrings::Entry> entries = words->entries();
     for (const int row : rows) {
         const auto of_row = static_cast<std::uint32_t>(row);
-        auto first = std::lower_bound(entries.begin(), entries.end(), of_row,
-                                      [](const PathWords::Entry& entry, std::uint32_t r) { return entry.row < r; });
+        auto first =
+            std::lower_bound(entries.begin(), entries.end(), of_row,
+                             [](const BatchPathStrings::Entry& entry, std::uint32_t r) { return entry.row < r; });
         const CameraRow& where = table.camera_row(row);
         for (; first != entries.end() && first->row == of_row; ++first) {
             const std::uint32_t word = known_as(*words, first->word);
@@ -265,9 +266,9 @@ std::span<const std::uint32_t, PathAtlas::parts> PathAtlas::samples(std::size_t 
 }
 
 std::size_t PathAtlas::expected_bytes() const {
-    constexpr std::size_t likely_words = 24;  // approximate number in the ready scenes
+    constexpr std::size_t likely_path_strings = 24;  // approximate number in the ready scenes
     constexpr std::size_t word = sizeof(Entry) + sizeof(Eighths) + 2 * sizeof(Slot);
-    const std::uint64_t all = pixels_.size() * (sizeof(Pixel) + likely_words * word);
+    const std::uint64_t all = pixels_.size() * (sizeof(Pixel) + likely_path_strings * word);
     return static_cast<std::size_t>(settings_.budget > 0 ? std::min(all, settings_.budget) : all);
 }
 
@@ -282,7 +283,7 @@ std::uint64_t PathAtlas::memory_bytes() const {
     return bytes;
 }
 
-std::vector<double> PathAtlas::light_of_words() const {
+std::vector<double> PathAtlas::light_of_path_strings() const {
     // The sums are exact, so the order of words with nearly equal light depends only on the light.
     std::vector<Int128> sums(words_.size(), 0);
     pools_->for_each([&](const Entry& entry) {

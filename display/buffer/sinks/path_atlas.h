@@ -31,11 +31,11 @@
 #include "display/buffer/pixel_filter.h"
 #include "display/buffer/pixel_image.h"
 #include "display/buffer/sample_sink.h"
-#include "display/services/samples/word_alphabet.h"
+#include "display/services/samples/path_alphabet.h"
 
 namespace raylex::display {
 
-class PathWords;
+class BatchPathStrings;
 
 class PathAtlas final : public SampleSink {
   public:
@@ -68,14 +68,14 @@ class PathAtlas final : public SampleSink {
     /// The number of the pixel's samples in each part.
     [[nodiscard]] std::span<const std::uint32_t, parts> samples(std::size_t pixel) const;
 
-    [[nodiscard]] const WordTree& words() const { return words_; }
+    [[nodiscard]] const PathStringTree& words() const { return words_; }
     /// [column] whether some word had light through this event.
     [[nodiscard]] std::span<const std::uint8_t> seen() const { return seen_; }
     [[nodiscard]] bool dropped_straight() const { return dropped_straight_; }
     /// The number of words that lost a scattering because of the budget.
-    [[nodiscard]] std::uint64_t merged_words() const { return merged_words_; }
+    [[nodiscard]] std::uint64_t merged_path_strings() const { return merged_path_strings_; }
     /// [word] the sum of |R| + |G| + |B| over the image, for words that were not merged into others.
-    [[nodiscard]] std::vector<double> light_of_words() const;
+    [[nodiscard]] std::vector<double> light_of_path_strings() const;
     [[nodiscard]] std::uint64_t entry_count() const;
     [[nodiscard]] std::uint64_t memory_bytes() const;
 
@@ -91,10 +91,10 @@ class PathAtlas final : public SampleSink {
     struct Pools;
     struct Reserves;
     class Batch;
-    std::uint32_t known_as(PathWords& words, std::uint32_t word);
+    std::uint32_t known_as(BatchPathStrings& words, std::uint32_t word);
     void add(std::size_t pixel, std::uint32_t word, const std::array<double, 3 + parts>& light, Reserves& reserves);
     static void take_in(Entry& entry, const Entry& more, Reserves& reserves);
-    void note_events(PathWords& words);
+    void note_events(BatchPathStrings& words);
     [[nodiscard]] std::uint32_t class_above(std::uint32_t word);
     void fit_budget();
     bool merge_round(std::uint64_t most_entries);
@@ -104,12 +104,12 @@ class PathAtlas final : public SampleSink {
     Settings settings_;
     std::vector<Pixel> pixels_;
     std::unique_ptr<Pools> pools_;
-    std::mutex words_mutex_;
-    WordTree words_;
+    std::mutex path_strings_mutex_;
+    PathStringTree words_;
     std::vector<std::uint32_t> merged_into_;  // [word] itself, or the class that contains it
     std::vector<std::uint8_t> seen_;
     bool dropped_straight_ = false;
-    std::uint64_t merged_words_ = 0, generation_ = 0;
+    std::uint64_t merged_path_strings_ = 0, generation_ = 0;
 };
 
 }  // namespace raylex::display

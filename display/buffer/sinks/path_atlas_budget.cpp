@@ -16,18 +16,18 @@ void PathAtlas::end_phase() {
 /// already contains that one. A word with no scattering to lose returns itself. Cutouts in words (--atlas-by straight)
 /// count as scatterings.
 std::uint32_t PathAtlas::class_above(std::uint32_t word) {
-    const WordTree::Node last = words_.node(word);
-    const bool found_by = WordAlphabet::is_technique(last.letter);
-    const WordTree::Node terminal = found_by ? words_.node(last.parent) : last;
+    const PathStringTree::Node last = words_.node(word);
+    const bool found_by = PathAlphabet::is_technique(last.letter);
+    const PathStringTree::Node terminal = found_by ? words_.node(last.parent) : last;
     std::uint32_t before = terminal.parent;
-    if (before == WordTree::root) return word;
-    if (words_.node(before).letter == WordAlphabet::open) before = words_.node(before).parent;
-    if (before == WordTree::root || words_.node(before).letter == WordAlphabet::open) return word;
+    if (before == PathStringTree::root) return word;
+    if (words_.node(before).letter == PathAlphabet::open) before = words_.node(before).parent;
+    if (before == PathStringTree::root || words_.node(before).letter == PathAlphabet::open) return word;
     const std::uint32_t prefix = words_.node(before).parent;
-    std::uint32_t merged = words_.child(prefix, WordAlphabet::open);
+    std::uint32_t merged = words_.child(prefix, PathAlphabet::open);
     // A word with at least two scatterings keeps that fact, so direct and indirect light remain separate.
-    if (prefix == WordTree::root && words_.letters_in(terminal.parent) > 1)
-        merged = words_.child(merged, WordAlphabet::open);
+    if (prefix == PathStringTree::root && words_.letters_in(terminal.parent) > 1)
+        merged = words_.child(merged, PathAlphabet::open);
     merged = words_.child(merged, terminal.letter);
     if (found_by) merged = words_.child(merged, last.letter);
     for (auto next = static_cast<std::uint32_t>(merged_into_.size()); next < words_.size(); ++next)
@@ -56,7 +56,7 @@ namespace {
 struct Candidate {
     bool loses_first = false;
     double light = 0;
-    std::vector<WordTree::Letter> letters;
+    std::vector<PathStringTree::Letter> letters;
     std::uint32_t word = 0, merged = 0;
 
     [[nodiscard]] bool operator<(const Candidate& other) const {
@@ -70,14 +70,14 @@ struct Candidate {
 /// Merges as few words as necessary by one scattering each, and at most half of them. Returns false if none can be
 /// merged.
 bool PathAtlas::merge_round(std::uint64_t most_entries) {
-    const std::vector<double> light = light_of_words();
+    const std::vector<double> light = light_of_path_strings();
     std::vector<Candidate> candidates;
     std::vector<bool> alive(words_.size(), false);
     pools_->for_each([&](const Entry& entry) { alive[entry.word >> 1] = entry.word != Entry::unused; });
     for (std::uint32_t word = 0; word < alive.size(); ++word) {
         if (!alive[word]) continue;
         if (const std::uint32_t merged = class_above(word); merged != word)
-            candidates.push_back({words_.letters(merged).front() == WordAlphabet::open, light[word],
+            candidates.push_back({words_.letters(merged).front() == PathAlphabet::open, light[word],
                                   words_.letters(word), word, merged});
     }
     if (candidates.empty()) return false;
@@ -112,7 +112,7 @@ bool PathAtlas::merge_round(std::uint64_t most_entries) {
             (entries_with(middle) <= most_entries ? enough : few) = middle;
         }
     for (std::size_t i = 0; i < enough; ++i) merged_into_[candidates[i].word] = candidates[i].merged;
-    merged_words_ += enough;
+    merged_path_strings_ += enough;
     apply_merges();
     return true;
 }

@@ -36,7 +36,7 @@
 #include "display/buffer/frame_buffer/frame_buffer.h"
 #include "display/buffer/sinks/path_atlas.h"
 #include "display/output/writer/exr_writer.h"
-#include "display/services/samples/word_alphabet.h"
+#include "display/services/samples/path_alphabet.h"
 #include "lpe/event.h"
 #include "lpe/result.h"
 
@@ -46,12 +46,12 @@ namespace raylex::display {
 enum class SignedLight : std::uint8_t { none, light, weights };
 
 /// The words of a file and the meaning of their letters.
-struct WordTable {
-    using Letter = WordAlphabet::Letter;
-    WordRules rules;
+struct PathStringTable {
+    using Letter = PathAlphabet::Letter;
+    PathStringRules rules;
     std::vector<lpe::Event> events;
     std::vector<Letter> letters;             ///< [event]
-    std::vector<std::vector<Letter>> words;  ///< WordAlphabet::open: one scattering or more
+    std::vector<std::vector<Letter>> words;  ///< PathAlphabet::open: one scattering or more
     std::vector<Technique> techniques;       ///< [word] how its light was found; empty if words do not distinguish
                                              ///< techniques
     bool dropped_straight = false;
@@ -61,7 +61,7 @@ struct WordTable {
 };
 
 /// A word of a pixel, as stored in the file.
-struct WordSample {
+struct PathStringSample {
     std::uint32_t word = 0;
     std::array<double, 3> rgb{};                  ///< of float precision if light is not signed
     std::array<float, PathAtlas::parts> parts{};  ///< fractions of the luminance
@@ -70,7 +70,7 @@ struct WordSample {
 /// One row of an atlas.
 struct AtlasRow {
     std::vector<std::uint32_t> begin;  ///< [pixel + 1] offset into samples
-    std::vector<WordSample> samples;
+    std::vector<PathStringSample> samples;
     std::vector<std::array<float, 4>> rgba;                   ///< pixels of the render
     std::vector<std::array<float, PathAtlas::parts>> counts;  ///< the pixel's samples in each eighth
 };
@@ -81,14 +81,14 @@ class AtlasSource {
     virtual ~AtlasSource() = default;
     [[nodiscard]] virtual int width() const = 0;
     [[nodiscard]] virtual int height() const = 0;
-    [[nodiscard]] virtual const WordTable& table() const = 0;
+    [[nodiscard]] virtual const PathStringTable& table() const = 0;
     /// Reads one row. Callers read rows from top to bottom.
     virtual Status row(int y, AtlasRow& row) = 0;
 };
 
 /// The atlas of a render, with words sorted by light, the brightest first. All arguments must outlive it; `image`
 /// provides the beauty and alpha.
-std::unique_ptr<AtlasSource> atlas_of_render(const PathAtlas& atlas, const WordAlphabet& alphabet,
+std::unique_ptr<AtlasSource> atlas_of_render(const PathAtlas& atlas, const PathAlphabet& alphabet,
                                              const FrameBuffer& image, ChannelId beauty, SignedLight negative);
 
 /// Writes the atlas to a temporary file and renames it.
@@ -102,10 +102,10 @@ class AtlasFile final : public AtlasSource {
     ~AtlasFile() override;
     [[nodiscard]] int width() const override;
     [[nodiscard]] int height() const override;
-    [[nodiscard]] const WordTable& table() const override;
+    [[nodiscard]] const PathStringTable& table() const override;
     /// Reads rows in any order; several threads can call it at once.
     Status row(int y, AtlasRow& row) override;
-    /// If `wanted` is false, rows are read faster and lack WordSample::parts.
+    /// If `wanted` is false, rows are read faster and lack PathStringSample::parts.
     void read_parts(bool wanted);
     /// The content of the header of part `rgba`: attributes, chromaticities, matrices, completeness.
     [[nodiscard]] const ImageDescription& description() const;
@@ -122,7 +122,7 @@ bool is_atlas(const std::string& path);
 
 /// The comparison of words with the beauty of the file, pixel by pixel: |sum - beauty| <= 2^-23 (sum of |words| +
 /// |beauty|).
-struct AtlasVerdict {
+struct AtlasCheck {
     double largest = 0;  ///< |sum - beauty| over the sum of |words| + |beauty|
     int x = 0, y = 0;
     std::uint64_t exceeding = 0;  ///< pixels
@@ -133,6 +133,6 @@ struct AtlasVerdict {
     bool holds = false;
 };
 /// Compares words and beauty. `magnitude`: light_magnitude (stored_precision.h); 2^-45 of it is added to the bound.
-Result<AtlasVerdict> check_atlas(AtlasSource& source, double magnitude = 0);
+Result<AtlasCheck> check_atlas(AtlasSource& source, double magnitude = 0);
 
 }  // namespace raylex::display

@@ -12,11 +12,11 @@ namespace {
 
 class RenderAtlas final : public AtlasSource {
   public:
-    RenderAtlas(const PathAtlas& atlas, const WordAlphabet& alphabet, const FrameBuffer& image, ChannelId beauty,
+    RenderAtlas(const PathAtlas& atlas, const PathAlphabet& alphabet, const FrameBuffer& image, ChannelId beauty,
                 SignedLight negative)
         : atlas_(atlas), image_(image), beauty_(beauty) {
-        const std::vector<double> light = atlas.light_of_words();
-        std::vector<std::vector<WordTable::Letter>> letters(light.size());
+        const std::vector<double> light = atlas.light_of_path_strings();
+        std::vector<std::vector<PathStringTable::Letter>> letters(light.size());
         std::vector<std::uint32_t> order;
         for (std::uint32_t word = 0; word < light.size(); ++word) {
             if (light[word] <= 0) continue;  // prefixes of words, and merged words
@@ -31,7 +31,7 @@ class RenderAtlas final : public AtlasSource {
         for (const std::uint32_t word : order) {
             number_[word] = static_cast<std::uint32_t>(table_.words.size());
             if (alphabet.rules().techniques) {
-                table_.techniques.push_back(WordAlphabet::technique_of(letters[word].back()));
+                table_.techniques.push_back(PathAlphabet::technique_of(letters[word].back()));
                 letters[word].pop_back();
             }
             table_.words.push_back(std::move(letters[word]));
@@ -39,10 +39,10 @@ class RenderAtlas final : public AtlasSource {
         table_.rules = alphabet.rules();
         table_.dropped_straight = atlas.dropped_straight();
         table_.negative = negative;
-        table_.merged = atlas.merged_words();
+        table_.merged = atlas.merged_path_strings();
         for (std::size_t column = 1; column < atlas.seen().size(); ++column) {
             if (atlas.seen()[column] == 0 || alphabet.event(column).type == lpe::EventType::user) continue;
-            const bool unread = alphabet.kind(column) == WordAlphabet::Kind::straight && !table_.rules.straight;
+            const bool unread = alphabet.kind(column) == PathAlphabet::Kind::straight && !table_.rules.straight;
             if (unread) continue;
             table_.events.push_back(alphabet.event(column));
             table_.letters.push_back(alphabet.letter(column));
@@ -50,7 +50,7 @@ class RenderAtlas final : public AtlasSource {
     }
     [[nodiscard]] int width() const override { return image_.layout().width; }
     [[nodiscard]] int height() const override { return image_.layout().height; }
-    [[nodiscard]] const WordTable& table() const override { return table_; }
+    [[nodiscard]] const PathStringTable& table() const override { return table_; }
 
     Status row(int y, AtlasRow& row) override {
         const PixelRegion line{0, y, width(), y + 1};
@@ -73,7 +73,7 @@ class RenderAtlas final : public AtlasSource {
             const auto first = static_cast<std::ptrdiff_t>(row.samples.size());
             for (const PathAtlas::Light& light : light_) add(light, row);
             std::sort(row.samples.begin() + first, row.samples.end(),
-                      [](const WordSample& a, const WordSample& b) { return a.word < b.word; });
+                      [](const PathStringSample& a, const PathStringSample& b) { return a.word < b.word; });
             row.begin.push_back(static_cast<std::uint32_t>(row.samples.size()));
         }
         return success();
@@ -83,7 +83,7 @@ class RenderAtlas final : public AtlasSource {
     static constexpr std::uint32_t none = ~std::uint32_t{0};
     void add(const PathAtlas::Light& light, AtlasRow& row) {
         if (number_[light.word] == none) return;  // a word without light
-        WordSample& sample = row.samples.emplace_back();
+        PathStringSample& sample = row.samples.emplace_back();
         sample.word = number_[light.word];
         double all = 0;
         for (std::size_t c = 0; c < 3; ++c) {
@@ -97,26 +97,26 @@ class RenderAtlas final : public AtlasSource {
     const PathAtlas& atlas_;
     const FrameBuffer& image_;
     ChannelId beauty_;
-    WordTable table_;
+    PathStringTable table_;
     std::vector<std::uint32_t> number_;  // [word of the atlas] number in the file
     std::vector<PathAtlas::Light> light_;
 };
 
 }  // namespace
 
-std::unique_ptr<AtlasSource> atlas_of_render(const PathAtlas& atlas, const WordAlphabet& alphabet,
+std::unique_ptr<AtlasSource> atlas_of_render(const PathAtlas& atlas, const PathAlphabet& alphabet,
                                              const FrameBuffer& image, ChannelId beauty, SignedLight negative) {
     return std::make_unique<RenderAtlas>(atlas, alphabet, image, beauty, negative);
 }
 
-Result<AtlasVerdict> check_atlas(AtlasSource& source, double magnitude) {
-    AtlasVerdict verdict;
-    verdict.words = source.table().words.size();
+Result<AtlasCheck> check_atlas(AtlasSource& source, double magnitude) {
+    AtlasCheck result;
+    result.words = source.table().words.size();
     AtlasRow row;
     for (int y = 0; y < source.height(); ++y) {
         if (Status read = source.row(y, row); !read) return read.error();
         for (std::size_t x = 0; x < row.rgba.size(); ++x) {
-            verdict.most_samples = std::max<std::uint64_t>(verdict.most_samples, row.begin[x + 1] - row.begin[x]);
+            result.most_samples = std::max<std::uint64_t>(result.most_samples, row.begin[x + 1] - row.begin[x]);
             bool exceeds = false, clamped = false;
             for (std::size_t c = 0; c < 3; ++c) {
                 double sum = 0, whole = std::abs(static_cast<double>(row.rgba[x][c]));
@@ -130,21 +130,21 @@ Result<AtlasVerdict> check_atlas(AtlasSource& source, double magnitude) {
                 }
                 clamped = clamped || sum_is_clamped || whole_is_clamped;
                 const double error =
-                    error_beside_clamped(sum, static_cast<double>(row.rgba[x][c]), sum_is_clamped, whole_is_clamped);
+                    error_of_clamped(sum, static_cast<double>(row.rgba[x][c]), sum_is_clamped, whole_is_clamped);
                 exceeds = exceeds || !(error <= 0x1p-23 * whole + cancelled_unit * magnitude);
-                if (const double relative = whole > 0 ? error / whole : 0; relative > verdict.largest) {
-                    verdict.largest = relative;
-                    verdict.x = static_cast<int>(x);
-                    verdict.y = y;
+                if (const double relative = whole > 0 ? error / whole : 0; relative > result.largest) {
+                    result.largest = relative;
+                    result.x = static_cast<int>(x);
+                    result.y = y;
                 }
             }
-            verdict.exceeding += exceeds ? 1 : 0;
-            verdict.clamped += clamped ? 1 : 0;
+            result.exceeding += exceeds ? 1 : 0;
+            result.clamped += clamped ? 1 : 0;
         }
-        verdict.samples += row.samples.size();
+        result.samples += row.samples.size();
     }
-    verdict.holds = verdict.exceeding == 0;
-    return verdict;
+    result.holds = result.exceeding == 0;
+    return result;
 }
 
 }  // namespace raylex::display

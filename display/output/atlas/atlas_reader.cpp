@@ -57,15 +57,15 @@ struct AtlasPlanes {
     std::array<int, 3> colors{}, rests{};
     std::array<int, PathAtlas::parts> parts{};
 
-    AtlasPlanes(const PackedRows& of_flat, const PackedRows& of_words, const PackedRows& of_parts) {
+    AtlasPlanes(const PackedRows& of_flat, const PackedRows& of_path_strings, const PackedRows& of_parts) {
         using Type = PackedRows::Type;
         const std::vector<std::string> names = AtlasLayout::flat_planes();
         for (std::size_t p = 0; p < flat.size(); ++p) flat[p] = of_flat.plane(names[p], Type::single);
-        word = of_words.plane(AtlasLayout::word, Type::uint);
-        eighth = of_words.plane(AtlasLayout::eighth, Type::half);
+        word = of_path_strings.plane(AtlasLayout::word, Type::uint);
+        eighth = of_path_strings.plane(AtlasLayout::eighth, Type::half);
         for (std::size_t c = 0; c < 3; ++c) {
-            colors[c] = of_words.plane(AtlasLayout::colors[c], Type::single);
-            rests[c] = of_words.plane(AtlasLayout::rests[c], Type::single);
+            colors[c] = of_path_strings.plane(AtlasLayout::colors[c], Type::single);
+            rests[c] = of_path_strings.plane(AtlasLayout::rests[c], Type::single);
         }
         for (std::size_t k = 0; k < parts.size(); ++k) parts[k] = of_parts.plane(AtlasLayout::part(k), Type::half);
     }
@@ -94,15 +94,15 @@ float half_of(const PackedRows::Row& row, int plane, std::size_t sample) {
 }  // namespace
 
 struct AtlasFile::Impl {
-    Impl(std::string file_path, std::unique_ptr<PackedRows> of_flat, std::unique_ptr<PackedRows> of_words,
+    Impl(std::string file_path, std::unique_ptr<PackedRows> of_flat, std::unique_ptr<PackedRows> of_path_strings,
          std::unique_ptr<PackedRows> of_parts)
         : path(std::move(file_path)),
           flat(std::move(of_flat)),
-          words(std::move(of_words)),
+          words(std::move(of_path_strings)),
           parts(std::move(of_parts)),
           planes(*flat, *words, *parts) {}
 
-    Status take_words(const AtlasRowPlanes& from, AtlasRow& row) const;
+    Status take_path_strings(const AtlasRowPlanes& from, AtlasRow& row) const;
     Status take_parts(const AtlasRowPlanes& from, AtlasRow& row) const;
     void take_flat(const AtlasRowPlanes& from, AtlasRow& row) const;
     [[nodiscard]] Error damaged(const std::string& what) const {
@@ -114,16 +114,16 @@ struct AtlasFile::Impl {
     AtlasPlanes planes;
     int width = 0, height = 0, min_y = 0;
     bool wants_parts = true;
-    WordTable table;
+    PathStringTable table;
     ImageDescription description;
 };
 
-Status AtlasFile::Impl::take_words(const AtlasRowPlanes& from, AtlasRow& row) const {
+Status AtlasFile::Impl::take_path_strings(const AtlasRowPlanes& from, AtlasRow& row) const {
     const std::size_t known = table.words.size();
     row.begin.assign(from.words.begin().begin(), from.words.begin().end());
     row.samples.resize(from.words.sample_count());
     for (std::size_t i = 0; i < row.samples.size(); ++i) {
-        WordSample& sample = row.samples[i];
+        PathStringSample& sample = row.samples[i];
         sample.word = value_of<std::uint32_t>(from.words, planes.word, i);
         if (sample.word >= known) return damaged("it uses a word that is not in its table");
         for (std::size_t c = 0; c < 3; ++c)
@@ -214,7 +214,7 @@ int AtlasFile::width() const {
 int AtlasFile::height() const {
     return impl_->height;
 }
-const WordTable& AtlasFile::table() const {
+const PathStringTable& AtlasFile::table() const {
     return impl_->table;
 }
 void AtlasFile::read_parts(bool wanted) {
@@ -234,7 +234,7 @@ Status AtlasFile::row(int y, AtlasRow& row) {
     if (Status read = impl.flat->read(line, planes.flat); !read) return read;
     if (Status read = impl.words->read(line, planes.words); !read) return read;
     impl.take_flat(planes, row);
-    if (Status taken = impl.take_words(planes, row); !taken) return taken;
+    if (Status taken = impl.take_path_strings(planes, row); !taken) return taken;
     if (!impl.wants_parts) return success();
     if (Status read = impl.parts->read(line, planes.parts); !read) return read;
     return impl.take_parts(planes, row);

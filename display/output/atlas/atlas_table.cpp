@@ -19,15 +19,15 @@ Error damaged_table(const std::string& path, const std::string& what) {
     return error;
 }
 
-/// Reads numbers separated by blanks; `*` is WordAlphabet::open.
-bool read_letters(std::string_view text, std::vector<WordTable::Letter>& letters) {
+/// Reads numbers separated by blanks; `*` is PathAlphabet::open.
+bool read_letters(std::string_view text, std::vector<PathStringTable::Letter>& letters) {
     while (!text.empty()) {
         const std::size_t end = std::min(text.find(' '), text.size());
         const std::string_view word = text.substr(0, end);
-        WordTable::Letter letter = WordAlphabet::open;
+        PathStringTable::Letter letter = PathAlphabet::open;
         if (word != "*") {
             const auto [next, failed] = std::from_chars(word.data(), word.data() + word.size(), letter);
-            if (failed != std::errc() || next != word.data() + word.size() || letter == WordAlphabet::open)
+            if (failed != std::errc() || next != word.data() + word.size() || letter == PathAlphabet::open)
                 return false;
         }
         letters.push_back(letter);
@@ -47,11 +47,11 @@ bool take_technique(std::string_view& line, Technique& technique) {
     return true;
 }
 
-std::string letters_text(const std::vector<WordTable::Letter>& letters) {
+std::string letters_text(const std::vector<PathStringTable::Letter>& letters) {
     std::string text;
-    for (const WordTable::Letter letter : letters) {
+    for (const PathStringTable::Letter letter : letters) {
         if (!text.empty()) text += ' ';
-        text += letter == WordAlphabet::open ? "*" : std::to_string(letter);
+        text += letter == PathAlphabet::open ? "*" : std::to_string(letter);
     }
     return text;
 }
@@ -62,14 +62,14 @@ bool is_terminal(const lpe::Event& event) {
 }
 
 /// Every word has scatterings, no other letters after the first `*`, and a terminal.
-Status check_words(const WordTable& table, const std::string& path) {
-    std::set<WordTable::Letter> scatterings, terminals;
+Status check_path_strings(const PathStringTable& table, const std::string& path) {
+    std::set<PathStringTable::Letter> scatterings, terminals;
     for (std::size_t i = 0; i < table.events.size(); ++i)
         (is_terminal(table.events[i]) ? terminals : scatterings).insert(table.letters[i]);
-    for (const std::vector<WordTable::Letter>& word : table.words) {
+    for (const std::vector<PathStringTable::Letter>& word : table.words) {
         bool good = !word.empty() && terminals.count(word.back()) > 0;
         for (std::size_t i = 0; good && i + 1 < word.size(); ++i)
-            good = word[i] == WordAlphabet::open ? i + 2 == word.size() || word[i + 1] == WordAlphabet::open
+            good = word[i] == PathAlphabet::open ? i + 2 == word.size() || word[i + 1] == PathAlphabet::open
                                                  : scatterings.count(word[i]) > 0;
         if (!good)
             return damaged_table(path, "'" + letters_text(word) + "' in atlas/words is not a word over its events");
@@ -84,7 +84,7 @@ void restore_labels(lpe::Event& event) {
 
 }  // namespace
 
-std::map<std::string, std::string> table_attributes(const WordTable& table) {
+std::map<std::string, std::string> table_attributes(const PathStringTable& table) {
     std::map<std::string, std::string> attributes;
     attributes["atlas/version"] = table_version;
     attributes["atlas/by"] = to_string(table.rules);
@@ -102,7 +102,7 @@ std::map<std::string, std::string> table_attributes(const WordTable& table) {
     return attributes;
 }
 
-Result<WordTable> read_table(const std::map<std::string, std::string>& attributes, const std::string& path) {
+Result<PathStringTable> read_table(const std::map<std::string, std::string>& attributes, const std::string& path) {
     const auto text = [&](const char* name) {
         const auto found = attributes.find(name);
         return found == attributes.end() ? std::string() : found->second;
@@ -113,16 +113,16 @@ Result<WordTable> read_table(const std::map<std::string, std::string>& attribute
         error.message = "this atlas is of version '" + text("atlas/version") + "'; expected version " + table_version;
         return error;
     }
-    WordTable table;
-    auto rules = parse_word_rules(text("atlas/by"), {path, 0, 0});
+    PathStringTable table;
+    auto rules = parse_path_string_rules(text("atlas/by"), {path, 0, 0});
     if (!rules) return rules.error();
     table.rules = *rules;
     const std::string length = text("atlas/length");
     const char* const end_of_length = length.data() + length.size();
     if (std::from_chars(length.data(), end_of_length, table.rules.length).ptr != end_of_length ||
-        table.rules.length < 0 || table.rules.length > WordRules::most_length)
+        table.rules.length < 0 || table.rules.length > PathStringRules::most_length)
         return damaged_table(path, "'" + length + "' in atlas/length is not a length from 0 to " +
-                                       std::to_string(WordRules::most_length));
+                                       std::to_string(PathStringRules::most_length));
     auto events = lpe::parse_events(text("atlas/events"));
     if (!events) return damaged_table(path, "atlas/events cannot be parsed: " + events.error().message);
     table.events = *std::move(events);
@@ -144,7 +144,7 @@ Result<WordTable> read_table(const std::map<std::string, std::string>& attribute
     if (!negative.empty()) table.negative = negative == "light" ? SignedLight::light : SignedLight::weights;
     const std::string merged = text("atlas/merged");
     if (!merged.empty()) std::from_chars(merged.data(), merged.data() + merged.size(), table.merged);
-    if (Status good = check_words(table, path); !good) return good.error();
+    if (Status good = check_path_strings(table, path); !good) return good.error();
     return table;
 }
 

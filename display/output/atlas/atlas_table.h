@@ -8,8 +8,8 @@
 
 namespace raylex::display {
 
-std::map<std::string, std::string> table_attributes(const WordTable& table);
+std::map<std::string, std::string> table_attributes(const PathStringTable& table);
 /// Parses the attributes. Errors name `path` and the problem.
-Result<WordTable> read_table(const std::map<std::string, std::string>& attributes, const std::string& path);
+Result<PathStringTable> read_table(const std::map<std::string, std::string>& attributes, const std::string& path);
 
 }  // namespace raylex::display

@@ -81,15 +81,16 @@ class AtlasBand {
     void write(Imf::OutputPart& flat, Imf::DeepScanLineOutputPart& words, Imf::DeepScanLineOutputPart& parts,
                int rows) {
         write_flat(flat, rows);
-        Imf::DeepFrameBuffer of_words = with_counts(counts_), of_parts = with_counts(spread_counts_);
-        insert(of_words, counts_, AtlasLayout::word, Imf::UINT, words_);
-        insert(of_words, counts_, AtlasLayout::eighth, Imf::HALF, eighths_);
-        for (std::size_t c = 0; c < 3; ++c) insert(of_words, counts_, AtlasLayout::colors[c], Imf::FLOAT, colors_[c]);
+        Imf::DeepFrameBuffer of_path_strings = with_counts(counts_), of_parts = with_counts(spread_counts_);
+        insert(of_path_strings, counts_, AtlasLayout::word, Imf::UINT, words_);
+        insert(of_path_strings, counts_, AtlasLayout::eighth, Imf::HALF, eighths_);
+        for (std::size_t c = 0; c < 3; ++c)
+            insert(of_path_strings, counts_, AtlasLayout::colors[c], Imf::FLOAT, colors_[c]);
         for (std::size_t c = 0; is_signed_ && c < 3; ++c)
-            insert(of_words, counts_, AtlasLayout::rests[c], Imf::FLOAT, rests_[c]);
+            insert(of_path_strings, counts_, AtlasLayout::rests[c], Imf::FLOAT, rests_[c]);
         for (std::size_t k = 0; k < PathAtlas::parts; ++k)
             insert(of_parts, spread_counts_, AtlasLayout::part(k), Imf::HALF, parts_[k]);
-        words.setFrameBuffer(of_words);
+        words.setFrameBuffer(of_path_strings);
         words.writePixels(rows);
         parts.setFrameBuffer(of_parts);
         parts.writePixels(rows);
@@ -107,7 +108,7 @@ class AtlasBand {
             for (std::vector<float>& plane : *planes) plane.clear();
         for (std::vector<Imath::half>& part : parts_) part.clear();
     }
-    void add(const WordSample& sample) {
+    void add(const PathStringSample& sample) {
         words_.push_back(sample.word);
         for (std::size_t c = 0; c < 3; ++c) {
             const auto store = [&](double value) { return repairs_.to_stored(value, 0, StoredType::single_float); };

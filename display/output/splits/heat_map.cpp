@@ -24,19 +24,19 @@ double position_of(double residual, double bound) {
 
 }  // namespace
 
-Status write_residual_png(const std::string& path, const SplitVerdict& verdict, int width, int height) {
+Status write_residual_png(const std::string& path, const SplitResult& result, int width, int height) {
     if (width <= 0 || height <= 0 ||
-        verdict.residual.size() != static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {
+        result.residual.size() != static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {
         Error error;
         error.file = path;
-        error.message = "the result has " + std::to_string(verdict.residual.size()) + " pixels; expected " +
+        error.message = "the result has " + std::to_string(result.residual.size()) + " pixels; expected " +
                         std::to_string(width) + " x " + std::to_string(height);
         return error;
     }
-    const double limit = residual_limit(verdict.bound, verdict.allowance);
+    const double limit = residual_limit(result.bound, result.allowance);
     std::vector<unsigned char> rgb;
-    rgb.reserve(verdict.residual.size() * 3);
-    for (const float residual : verdict.residual) {
+    rgb.reserve(result.residual.size() * 3);
+    for (const float residual : result.residual) {
         const std::array<unsigned char, 3> color = !std::isfinite(residual) ? std::array<unsigned char, 3>{0, 255, 255}
                                                    : residual == 0          ? std::array<unsigned char, 3>{0, 0, 0}
                                                                    : scale_color(anchors, position_of(residual, limit));

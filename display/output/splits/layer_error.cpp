@@ -207,7 +207,7 @@ std::string bound_reason(const std::vector<LayerPlanes>& all, const LayerSum& su
 }
 
 // Notes the allowances beyond rounding that were used, and those that would be needed.
-void note_allowances(SplitVerdict& verdict, const std::vector<LayerPlanes>& all, const Allowance& allowance) {
+void note_allowances(SplitResult& result, const std::vector<LayerPlanes>& all, const Allowance& allowance) {
     std::set<float> levels;
     bool b44 = false;
     for (const LayerPlanes& planes : all)
@@ -217,11 +217,11 @@ void note_allowances(SplitVerdict& verdict, const std::vector<LayerPlanes>& all,
         }
     if (!allowance.instead_of_compression) {
         for (const float level : levels)
-            verdict.allowed_for.push_back("DWA compression of level " +
-                                          std::to_string(static_cast<int>(std::lround(level))));
-        if (b44) verdict.unexplained.emplace_back("B44");
+            result.allowed_for.push_back("DWA compression of level " +
+                                         std::to_string(static_cast<int>(std::lround(level))));
+        if (b44) result.unexplained.emplace_back("B44");
     }
-    if (allowance.absolute > 0 || allowance.relative > 0) verdict.allowed_for.push_back(allowance.reason);
+    if (allowance.absolute > 0 || allowance.relative > 0) result.allowed_for.push_back(allowance.reason);
 }
 
 // Finds the pixels of a block that have a negative value.
@@ -244,10 +244,10 @@ std::array<bool, block> find_negative(NegativeValues& all_found, int width, cons
 }
 
 // The first layer that is not finite at the pixel that the result reports.
-std::string culprit(const SplitVerdict& verdict, const ExrImage& image, const std::vector<LayerPlanes>& all,
+std::string culprit(const SplitResult& result, const ExrImage& image, const std::vector<LayerPlanes>& all,
                     const std::vector<std::string>& names) {
-    const auto pixel = static_cast<std::size_t>(verdict.non_finite_y) * static_cast<std::size_t>(image.width) +
-                       static_cast<std::size_t>(verdict.non_finite_x);
+    const auto pixel = static_cast<std::size_t>(result.non_finite_y) * static_cast<std::size_t>(image.width) +
+                       static_cast<std::size_t>(result.non_finite_x);
     for (std::size_t i = 0; i < all.size(); ++i)
         for (const ImagePlane* plane : all[i])
             if (!std::isfinite(plane->values[pixel])) return names[i];
@@ -256,8 +256,7 @@ std::string culprit(const SplitVerdict& verdict, const ExrImage& image, const st
 
 }  // namespace
 
-Result<SplitVerdict> judge_sum(const ExrImage& image, const ImageLayer& of, const LayerSum& sum,
-                               const SumRules& rules) {
+Result<SplitResult> check_sum(const ExrImage& image, const ImageLayer& of, const LayerSum& sum, const SumRules& rules) {
     Result<LayerPlanes> whole = summable(image, of);
     if (!whole) return std::move(whole).error();
     std::vector<LayerPlanes> planes;
@@ -273,7 +272,7 @@ Result<SplitVerdict> judge_sum(const ExrImage& image, const ImageLayer& of, cons
     double unit = arithmetic.unit();
     for (const ImagePlane* plane : *whole) unit = std::max(unit, precision_of(*plane).unit);
     const std::size_t pixels = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
-    VerdictTally tally(image.width, pixels, unit, rules.allowance, true);
+    ResultTally tally(image.width, pixels, unit, rules.allowance, true);
     NegativeValues signs;
     std::vector<bool> clamped;
     planes.push_back(*whole);
@@ -306,14 +305,14 @@ Result<SplitVerdict> judge_sum(const ExrImage& image, const ImageLayer& of, cons
         }
         for (std::size_t i = 0; i < count; ++i) tally.add(first + i, errors[i], !clamped.empty() && clamped[first + i]);
     }
-    SplitVerdict verdict = tally.finish();
-    verdict.of = name_of(of);
-    for (const ImageLayer* layer : sum.layers) verdict.layers.push_back(name_of(*layer));
-    verdict.negative = std::move(signs);
-    verdict.bound_reason = bound_reason(planes, sum, rules);
-    note_allowances(verdict, planes, rules.allowance);
-    if (verdict.non_finite > 0) verdict.non_finite_layer = culprit(verdict, image, planes, names);
-    return verdict;
+    SplitResult result = tally.finish();
+    result.of = name_of(of);
+    for (const ImageLayer* layer : sum.layers) result.layers.push_back(name_of(*layer));
+    result.negative = std::move(signs);
+    result.bound_reason = bound_reason(planes, sum, rules);
+    note_allowances(result, planes, rules.allowance);
+    if (result.non_finite > 0) result.non_finite_layer = culprit(result, image, planes, names);
+    return result;
 }
 
 }  // namespace raylex::display

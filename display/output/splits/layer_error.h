@@ -16,6 +16,6 @@ struct SumRules {
 
 /// Compares the sum with `of`. Errors: layers of unsigned integers, or with planes that are neither R G B nor X Y Z nor
 /// a single one.
-Result<SplitVerdict> judge_sum(const ExrImage& image, const ImageLayer& of, const LayerSum& sum, const SumRules& rules);
+Result<SplitResult> check_sum(const ExrImage& image, const ImageLayer& of, const LayerSum& sum, const SumRules& rules);
 
 }  // namespace raylex::display

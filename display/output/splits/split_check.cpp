@@ -53,17 +53,17 @@ bool glob_match(std::string_view pattern, std::string_view name) {
     return p == pattern.size();
 }
 
-Result<SplitVerdict> check_split(const ExrImage& image, const std::string& of, const std::vector<std::string>& sums,
-                                 const Allowance& allowance) {
+Result<SplitResult> check_split(const ExrImage& image, const std::string& of, const std::vector<std::string>& sums,
+                                const Allowance& allowance) {
     Result<const ImageLayer*> whole = image.require_layer(of);
     if (!whole) return std::move(whole).error();
     Result<LayerSum> sum = parse_sum(image, **whole, sums);
     if (!sum) return std::move(sum).error();
-    return judge_sum(image, **whole, *sum, {working_unit(image), cancelled(image), allowance});
+    return check_sum(image, **whole, *sum, {working_unit(image), cancelled(image), allowance});
 }
 
-Result<std::vector<SplitVerdict>> check_declared_splits(const ExrImage& image, const Allowance& allowance) {
-    std::vector<SplitVerdict> verdicts;
+Result<std::vector<SplitResult>> check_declared_splits(const ExrImage& image, const Allowance& allowance) {
+    std::vector<SplitResult> results;
     for (const PartitionDeclaration& partition : image.partitions) {
         const auto located = [&partition](Error error) {
             error.message = "partition '" + partition.name + "': " + error.message;
@@ -80,48 +80,48 @@ Result<std::vector<SplitVerdict>> check_declared_splits(const ExrImage& image, c
             if (!layer) return located(std::move(layer).error());
             layers.push_back(*layer);
         }
-        Result<SplitVerdict> verdict =
-            judge_sum(image, **whole, sum_of_layers(layers), {0.0, cancelled(image), allowance});
-        if (!verdict) return located(std::move(verdict).error());
-        verdict->partition = partition.name;
-        verdicts.push_back(std::move(*verdict));
+        Result<SplitResult> result =
+            check_sum(image, **whole, sum_of_layers(layers), {0.0, cancelled(image), allowance});
+        if (!result) return located(std::move(result).error());
+        result->partition = partition.name;
+        results.push_back(std::move(*result));
     }
-    return verdicts;
+    return results;
 }
 
 namespace {
 
 /// Runs check(image) on all bands and combines the results.
 template <class Check>
-Result<std::vector<SplitVerdict>> by_bands(const ExrBands& file, Check check) {
+Result<std::vector<SplitResult>> by_bands(const ExrBands& file, Check check) {
     constexpr std::uint64_t band_bytes = std::uint64_t{256} << 20;
-    std::vector<SplitVerdict> all;
+    std::vector<SplitResult> all;
     for (const RowRange& rows : file.bands(band_bytes)) {
         Result<ExrImage> image = file.read(rows);
         if (!image) return std::move(image).error();
-        Result<std::vector<SplitVerdict>> verdicts = check(*image);
-        if (!verdicts) return std::move(verdicts).error();
-        if (rows.first == 0) all = *std::move(verdicts);
+        Result<std::vector<SplitResult>> results = check(*image);
+        if (!results) return std::move(results).error();
+        if (rows.first == 0) all = *std::move(results);
         else
-            for (std::size_t i = 0; i < all.size(); ++i) add_rows(all[i], (*verdicts)[i], rows.first);
+            for (std::size_t i = 0; i < all.size(); ++i) add_rows(all[i], (*results)[i], rows.first);
     }
     return all;
 }
 
 }  // namespace
 
-Result<SplitVerdict> check_split(const ExrBands& file, const std::string& of, const std::vector<std::string>& sums,
-                                 const Allowance& allowance) {
-    auto verdicts = by_bands(file, [&](const ExrImage& image) -> Result<std::vector<SplitVerdict>> {
-        Result<SplitVerdict> verdict = check_split(image, of, sums, allowance);
-        if (!verdict) return std::move(verdict).error();
-        return std::vector<SplitVerdict>{*std::move(verdict)};
+Result<SplitResult> check_split(const ExrBands& file, const std::string& of, const std::vector<std::string>& sums,
+                                const Allowance& allowance) {
+    auto results = by_bands(file, [&](const ExrImage& image) -> Result<std::vector<SplitResult>> {
+        Result<SplitResult> result = check_split(image, of, sums, allowance);
+        if (!result) return std::move(result).error();
+        return std::vector<SplitResult>{*std::move(result)};
     });
-    if (!verdicts) return std::move(verdicts).error();
-    return std::move(verdicts->front());
+    if (!results) return std::move(results).error();
+    return std::move(results->front());
 }
 
-Result<std::vector<SplitVerdict>> check_declared_splits(const ExrBands& file, const Allowance& allowance) {
+Result<std::vector<SplitResult>> check_declared_splits(const ExrBands& file, const Allowance& allowance) {
     return by_bands(file, [&](const ExrImage& image) { return check_declared_splits(image, allowance); });
 }
 

@@ -40,7 +40,7 @@ enum class SplitAnswer : std::uint8_t { holds_to_rounding, holds_as_allowed, doe
 /// additions cost nothing: |sum - of| <= u (sum of |layers| + |of|) with u = 2^-23 is Law 1.
 ///
 /// Allowance. Lossy compressions count with their measured loss, on the planes that use them; plus an Allowance.
-struct SplitVerdict {
+struct SplitResult {
     std::string partition, of;
     std::vector<std::string> layers;
     double largest_absolute = 0, largest_relative = 0;                   ///< relative to sum of |terms| + |of|
@@ -55,7 +55,7 @@ struct SplitVerdict {
     std::size_t clamped = 0;  ///< pixels with a value at the largest number of its type: the true value is at least
                               ///< that
     std::size_t pixels = 0, undecided = 0;  ///< of the image; undecided: pixels that such values leave open
-    [[nodiscard]] std::size_t judged() const { return pixels - undecided; }
+    [[nodiscard]] std::size_t checked() const { return pixels - undecided; }
     int non_finite_x = 0, non_finite_y = 0;  ///< the first value that is not finite
     std::string non_finite_layer;            ///< its layer; empty if several values overflow together
     SplitAnswer answer = SplitAnswer::does_not_hold;
@@ -71,20 +71,20 @@ struct SplitVerdict {
 
 /// Checks one sum. `sums` use the notation of layer_arithmetic.h: layers, globs and expressions separated by commas.
 /// Errors: layers of unsigned integers, or with planes that are neither R G B nor X Y Z nor a single one.
-Result<SplitVerdict> check_split(const ExrImage& image, const std::string& of, const std::vector<std::string>& sums,
-                                 const Allowance& allowance = {});
+Result<SplitResult> check_split(const ExrImage& image, const std::string& of, const std::vector<std::string>& sums,
+                                const Allowance& allowance = {});
 /// Checks every partition that the file's header declares, in order; returns an empty list if there is none.
-Result<std::vector<SplitVerdict>> check_declared_splits(const ExrImage& image, const Allowance& allowance = {});
+Result<std::vector<SplitResult>> check_declared_splits(const ExrImage& image, const Allowance& allowance = {});
 
 /// Checks a file of any size, read in bands of at most a quarter of a GiB.
-Result<SplitVerdict> check_split(const ExrBands& file, const std::string& of, const std::vector<std::string>& sums,
-                                 const Allowance& allowance = {});
-Result<std::vector<SplitVerdict>> check_declared_splits(const ExrBands& file, const Allowance& allowance = {});
+Result<SplitResult> check_split(const ExrBands& file, const std::string& of, const std::vector<std::string>& sums,
+                                const Allowance& allowance = {});
+Result<std::vector<SplitResult>> check_declared_splits(const ExrBands& file, const Allowance& allowance = {});
 
 /// Writes the residual of a result as a heat map in PNG, one pixel per pixel. The scale is logarithmic, and lightness
 /// rises with the residual: black for none, dark blue to violet within the allowance (from a 1024th of it), red to pale
 /// yellow beyond it (up to 1). Cyan marks values that are not finite. The result must be of an image of this size.
-Status write_residual_png(const std::string& path, const SplitVerdict& verdict, int width, int height);
+Status write_residual_png(const std::string& path, const SplitResult& result, int width, int height);
 
 /// Computes one metric of a layer. `component` is 'R', 'G', 'B' (or the first, second, third plane of X Y Z), 'Y'
 /// (luminance of R G B by the reference's primaries; plane Y of X Y Z) or 'A' for all three components together. A

@@ -27,27 +27,27 @@ bool any_clamped(std::span<const float> values, float largest) {
 
 }  // namespace
 
-void conclude(SplitVerdict& verdict) {
-    const bool fails = verdict.non_finite > 0 || verdict.exceeding > 0;
-    const bool nothing_judged = verdict.pixels > 0 && verdict.judged() == 0;
-    verdict.answer = fails                       ? SplitAnswer::does_not_hold
-                     : nothing_judged            ? SplitAnswer::cannot_tell
-                     : verdict.past_rounding > 0 ? SplitAnswer::holds_as_allowed
-                                                 : SplitAnswer::holds_to_rounding;
-    verdict.holds = !fails && !nothing_judged;
+void conclude(SplitResult& result) {
+    const bool fails = result.non_finite > 0 || result.exceeding > 0;
+    const bool nothing_checked = result.pixels > 0 && result.checked() == 0;
+    result.answer = fails                      ? SplitAnswer::does_not_hold
+                    : nothing_checked          ? SplitAnswer::cannot_tell
+                    : result.past_rounding > 0 ? SplitAnswer::holds_as_allowed
+                                               : SplitAnswer::holds_to_rounding;
+    result.holds = !fails && !nothing_checked;
 }
 
 double residual_limit(double bound, const Allowance& allowance) {
     return std::min(bound + allowance.relative, 0.5);
 }
 
-VerdictTally::VerdictTally(int width, std::size_t pixels, double unit, const Allowance& allowance, bool with_residual)
+ResultTally::ResultTally(int width, std::size_t pixels, double unit, const Allowance& allowance, bool with_residual)
     : width_(width), limit_(residual_limit(unit, allowance)) {
-    verdict_.pixels = pixels;
-    verdict_.bound = unit;
-    verdict_.allowance = allowance;
-    verdict_.never_above = true;
-    if (with_residual) verdict_.residual.resize(pixels);
+    result_.pixels = pixels;
+    result_.bound = unit;
+    result_.allowance = allowance;
+    result_.never_above = true;
+    if (with_residual) result_.residual.resize(pixels);
 }
 
 void mark_clamped(std::span<const float> values, StoredType type, std::vector<bool>& clamped) {
@@ -57,9 +57,9 @@ void mark_clamped(std::span<const float> values, StoredType type, std::vector<bo
     for (std::size_t i = 0; i < values.size(); ++i) clamped[i] = clamped[i] || std::abs(values[i]) == largest;
 }
 
-void VerdictTally::add(std::size_t pixel, std::array<SplitError, 3> components, bool clamped) {
-    SplitVerdict& verdict = verdict_;
-    verdict.clamped += clamped ? 1 : 0;
+void ResultTally::add(std::size_t pixel, std::array<SplitError, 3> components, bool clamped) {
+    SplitResult& result = result_;
+    result.clamped += clamped ? 1 : 0;
     bool undecided = false;
     for (SplitError& here : components) {
         if (here.open == 0 || !std::isfinite(here.absolute)) continue;
@@ -79,38 +79,38 @@ void VerdictTally::add(std::size_t pixel, std::array<SplitError, 3> components, 
         past = past || here.absolute > here.rounding;
         if (here.absolute > here.allowed) {
             exceeds = true;
-            if (here.sum > here.whole || here.negative) verdict.never_above = false;
+            if (here.sum > here.whole || here.negative) result.never_above = false;
         }
         if (here.absolute > 0) {
             const double share = limit_ * here.absolute / here.allowed;
             worst = std::max(worst, here.absolute > here.allowed ? share : std::min(share, limit_));
         }
-        if (here.absolute > verdict.largest_absolute) {
-            verdict.largest_absolute = here.absolute;
-            verdict.absolute_x = x;
-            verdict.absolute_y = y;
+        if (here.absolute > result.largest_absolute) {
+            result.largest_absolute = here.absolute;
+            result.absolute_x = x;
+            result.absolute_y = y;
         }
-        if (const double relative = relative_error(here, verdict.bound); relative > verdict.largest_relative) {
-            verdict.largest_relative = relative;
-            verdict.relative_x = x;
-            verdict.relative_y = y;
+        if (const double relative = relative_error(here, result.bound); relative > result.largest_relative) {
+            result.largest_relative = relative;
+            result.relative_x = x;
+            result.relative_y = y;
         }
     }
-    if (!finite && verdict.non_finite++ == 0) {
-        verdict.non_finite_x = x;
-        verdict.non_finite_y = y;
+    if (!finite && result.non_finite++ == 0) {
+        result.non_finite_x = x;
+        result.non_finite_y = y;
     }
-    verdict.exceeding += finite && exceeds ? 1 : 0;
-    verdict.undecided += finite && !exceeds && undecided ? 1 : 0;
-    verdict.past_rounding += finite && past && !exceeds ? 1 : 0;
-    if (!verdict.residual.empty())
-        verdict.residual[pixel] = finite ? static_cast<float>(worst) : std::numeric_limits<float>::infinity();
+    result.exceeding += finite && exceeds ? 1 : 0;
+    result.undecided += finite && !exceeds && undecided ? 1 : 0;
+    result.past_rounding += finite && past && !exceeds ? 1 : 0;
+    if (!result.residual.empty())
+        result.residual[pixel] = finite ? static_cast<float>(worst) : std::numeric_limits<float>::infinity();
 }
 
-SplitVerdict VerdictTally::finish() {
-    verdict_.never_above = verdict_.never_above && verdict_.exceeding > 0;
-    conclude(verdict_);
-    return std::move(verdict_);
+SplitResult ResultTally::finish() {
+    result_.never_above = result_.never_above && result_.exceeding > 0;
+    conclude(result_);
+    return std::move(result_);
 }
 
 SplitSum::SplitSum(int width, int height, double cancelled) : width_(width), spacing_(cancelled) {
@@ -160,9 +160,9 @@ void SplitSum::add_whole(const SplitLayer& layer) {
     for (std::size_t c = 0; c < 3; ++c) whole_[c].assign(layer.planes[c].begin(), layer.planes[c].end());
 }
 
-SplitVerdict SplitSum::verdict(bool with_residual) const {
+SplitResult SplitSum::result(bool with_residual) const {
     const std::size_t count = whole_[0].size();
-    VerdictTally tally(width_, count, unit_, {}, with_residual);
+    ResultTally tally(width_, count, unit_, {}, with_residual);
     for (std::size_t pixel = 0; pixel < count; ++pixel) {
         std::array<SplitError, 3> errors;
         bool clamped = false;
@@ -178,50 +178,50 @@ SplitVerdict SplitSum::verdict(bool with_residual) const {
     return tally.finish();
 }
 
-void add_rows(SplitVerdict& verdict, const SplitVerdict& below, int first_row) {
+void add_rows(SplitResult& result, const SplitResult& below, int first_row) {
     const auto larger = [first_row](double& value, int& x, int& y, double other, int other_x, int other_y) {
         if (!(other > value)) return;
         value = other;
         x = other_x;
         y = other_y + first_row;
     };
-    larger(verdict.largest_absolute, verdict.absolute_x, verdict.absolute_y, below.largest_absolute, below.absolute_x,
+    larger(result.largest_absolute, result.absolute_x, result.absolute_y, below.largest_absolute, below.absolute_x,
            below.absolute_y);
-    larger(verdict.largest_relative, verdict.relative_x, verdict.relative_y, below.largest_relative, below.relative_x,
+    larger(result.largest_relative, result.relative_x, result.relative_y, below.largest_relative, below.relative_x,
            below.relative_y);
-    if (verdict.non_finite == 0 && below.non_finite > 0) {
-        verdict.non_finite_x = below.non_finite_x;
-        verdict.non_finite_y = below.non_finite_y + first_row;
-        verdict.non_finite_layer = below.non_finite_layer;
+    if (result.non_finite == 0 && below.non_finite > 0) {
+        result.non_finite_x = below.non_finite_x;
+        result.non_finite_y = below.non_finite_y + first_row;
+        result.non_finite_layer = below.non_finite_layer;
     }
     // A band without exceeding pixels does not determine the side.
-    if (verdict.exceeding == 0) verdict.never_above = below.never_above;
-    else if (below.exceeding > 0) verdict.never_above = verdict.never_above && below.never_above;
+    if (result.exceeding == 0) result.never_above = below.never_above;
+    else if (below.exceeding > 0) result.never_above = result.never_above && below.never_above;
     NegativeValues lower = below.negative;
-    lower.pixels += verdict.negative.pixels;
+    lower.pixels += result.negative.pixels;
     lower.y += first_row;
-    if (lower.lowest < verdict.negative.lowest) verdict.negative = std::move(lower);
-    else verdict.negative.pixels = lower.pixels;
-    verdict.past_rounding += below.past_rounding;
-    verdict.non_finite += below.non_finite;
-    verdict.exceeding += below.exceeding;
-    verdict.clamped += below.clamped;
-    verdict.pixels += below.pixels;
-    verdict.undecided += below.undecided;
-    conclude(verdict);
-    verdict.residual.insert(verdict.residual.end(), below.residual.begin(), below.residual.end());
+    if (lower.lowest < result.negative.lowest) result.negative = std::move(lower);
+    else result.negative.pixels = lower.pixels;
+    result.past_rounding += below.past_rounding;
+    result.non_finite += below.non_finite;
+    result.exceeding += below.exceeding;
+    result.clamped += below.clamped;
+    result.pixels += below.pixels;
+    result.undecided += below.undecided;
+    conclude(result);
+    result.residual.insert(result.residual.end(), below.residual.begin(), below.residual.end());
 }
 
-std::string verdict_attribute(const SplitVerdict& verdict, std::size_t layer_count) {
+std::string result_attribute(const SplitResult& result, std::size_t layer_count) {
     std::array<char, 256> text{};
     std::snprintf(text.data(), text.size(),
                   "%s; largest relative error %.3g at (%d, %d), bound %.3g; %zu layers; %zu pixels beyond it, "
                   "%zu not finite, %zu clamped, %zu of %zu judged",
-                  verdict.answer == SplitAnswer::cannot_tell ? "cannot tell: every pixel is clamped"
-                  : verdict.holds                            ? "holds"
-                                                             : "does not hold",
-                  verdict.largest_relative, verdict.relative_x, verdict.relative_y, verdict.bound, layer_count,
-                  verdict.exceeding, verdict.non_finite, verdict.clamped, verdict.judged(), verdict.pixels);
+                  result.answer == SplitAnswer::cannot_tell ? "cannot tell: every pixel is clamped"
+                  : result.holds                            ? "holds"
+                                                            : "does not hold",
+                  result.largest_relative, result.relative_x, result.relative_y, result.bound, layer_count,
+                  result.exceeding, result.non_finite, result.clamped, result.checked(), result.pixels);
     return text.data();
 }
 

@@ -40,23 +40,23 @@ struct SplitError {
 };
 
 /// Sets the answer from the counts of pixels.
-void conclude(SplitVerdict& verdict);
+void conclude(SplitResult& result);
 /// The value in a residual map that separates allowed from exceeding pixels: bound + allowance.relative, at most 1/2.
 [[nodiscard]] double residual_limit(double bound, const Allowance& allowance);
 
 /// Collects pixels, in any order, and computes the result.
-class VerdictTally {
+class ResultTally {
   public:
     /// `unit`: the largest relative rounding error.
-    VerdictTally(int width, std::size_t pixels, double unit, const Allowance& allowance, bool with_residual);
-    /// `clamped`: see SplitVerdict::clamped.
+    ResultTally(int width, std::size_t pixels, double unit, const Allowance& allowance, bool with_residual);
+    /// `clamped`: see SplitResult::clamped.
     void add(std::size_t pixel, std::array<SplitError, 3> components, bool clamped = false);
-    [[nodiscard]] SplitVerdict finish();
+    [[nodiscard]] SplitResult finish();
 
   private:
     int width_;
     double limit_;
-    SplitVerdict verdict_;
+    SplitResult result_;
 };
 
 class SplitSum {
@@ -68,7 +68,7 @@ class SplitSum {
     /// Adds the layer that is split; exactly once.
     void add_whole(const SplitLayer& layer);
     /// The result as split_check.h defines it, without names. The residual map is filled only if requested.
-    [[nodiscard]] SplitVerdict verdict(bool with_residual) const;
+    [[nodiscard]] SplitResult result(bool with_residual) const;
 
     /// Memory of the arrays of one sum, for memory estimates.
     static constexpr std::size_t bytes_per_pixel = 3 * (2 * sizeof(double) + sizeof(float));
@@ -88,9 +88,9 @@ class SplitSum {
 void mark_clamped(std::span<const float> values, StoredType type, std::vector<bool>& clamped);
 
 /// Adds the result for lower rows, [first_row, ...), to the result for the rows above them.
-void add_rows(SplitVerdict& verdict, const SplitVerdict& below, int first_row);
+void add_rows(SplitResult& result, const SplitResult& below, int first_row);
 
 /// One line for a header: "holds; largest relative error 5.8e-08 at (3, 4), bound 1.2e-07; 9 layers".
-[[nodiscard]] std::string verdict_attribute(const SplitVerdict& verdict, std::size_t layer_count);
+[[nodiscard]] std::string result_attribute(const SplitResult& result, std::size_t layer_count);
 
 }  // namespace raylex::display

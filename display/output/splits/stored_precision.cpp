@@ -29,7 +29,7 @@ double light_magnitude_of(const std::map<std::string, std::string>& attributes) 
     return std::isfinite(magnitude) && magnitude > 0 ? magnitude : 0;
 }
 
-double error_beside_clamped(double sum, double whole, bool sum_is_clamped, bool whole_is_clamped) {
+double error_of_clamped(double sum, double whole, bool sum_is_clamped, bool whole_is_clamped) {
     const bool explained = std::abs(sum) < std::abs(whole) ? sum_is_clamped : whole_is_clamped;
     return explained ? 0 : std::abs(sum - whole);
 }

@@ -39,7 +39,7 @@ inline constexpr double cancelled_unit = 0x1p-45;
     return std::abs(value) == largest_of(type);
 }
 /// |sum - whole|, minus what clamped values can explain: clamped terms lower the sum, and a clamped whole is too low.
-[[nodiscard]] double error_beside_clamped(double sum, double whole, bool sum_is_clamped, bool whole_is_clamped);
+[[nodiscard]] double error_of_clamped(double sum, double whole, bool sum_is_clamped, bool whole_is_clamped);
 [[nodiscard]] StoredPrecision precision_of(const ImagePlane& plane);
 
 /// The distance by which DWA moves a value on its own scale, which is x^(1/2.2) up to 1 and 1 + ln(x) / 2.2 above. DWA

@@ -112,8 +112,8 @@ class DeepRow {
     std::vector<std::vector<float>> values_;
 };
 
-void judge_pixel(const DeepRow& row, const Comparison& comparison, int x, int y, std::size_t pixel,
-                 DeepVerdict& verdict) {
+void check_pixel(const DeepRow& row, const Comparison& comparison, int x, int y, std::size_t pixel,
+                 DeepCheck& verdict) {
     constexpr double unit = 0x1p-23;
     const auto column = static_cast<std::size_t>(x);
     const std::size_t n = row.count(column);
@@ -150,7 +150,7 @@ void judge_pixel(const DeepRow& row, const Comparison& comparison, int x, int y,
         const auto shallow = static_cast<double>(pair.shallow->values[pixel]);
         const bool shallow_is_clamped = is_clamped(pair.shallow->values[pixel], pair.shallow->stored);
         clamped = clamped || sum_is_clamped || shallow_is_clamped;
-        const double error = error_beside_clamped(sum, shallow, sum_is_clamped, shallow_is_clamped),
+        const double error = error_of_clamped(sum, shallow, sum_is_clamped, shallow_is_clamped),
                      whole = scale + std::abs(shallow);
         exceeds =
             exceeds || !(error <= (count * unit + precision_of(pair.type).unit) * scale +
@@ -168,7 +168,7 @@ void judge_pixel(const DeepRow& row, const Comparison& comparison, int x, int y,
 
 }  // namespace
 
-Result<DeepVerdict> check_deep(const std::string& path, const ExrImage& image) {
+Result<DeepCheck> check_deep(const std::string& path, const ExrImage& image) {
     if (Status sound = check_exr_file(path); !sound) return sound.error();
     try {
         Imf::MultiPartInputFile file(path.c_str());
@@ -194,13 +194,13 @@ Result<DeepVerdict> check_deep(const std::string& path, const ExrImage& image) {
         std::vector<std::string> names{"Z", header.channels().findChannel("ZBack") != nullptr ? "ZBack" : "Z", "A"};
         for (const Pair& pair : comparison.pairs) names.push_back(pair.channel);
         Imf::DeepScanLineInputPart part(file, index);
-        DeepVerdict verdict;
+        DeepCheck verdict;
         verdict.layers = comparison.layers;
         DeepRow row(image.width, names);
         for (int y = 0; y < image.height; ++y) {
             row.read(part, window.min.y + y, window.min.x);
             for (int x = 0; x < image.width; ++x)
-                judge_pixel(
+                check_pixel(
                     row, comparison, x, y,
                     static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x),
                     verdict);

@@ -28,7 +28,7 @@ Status write_deep_exr(const std::string& path, const DeepBuffer& deep, ChannelId
                       const DeepStorage& storage, std::map<std::string, std::string>* repaired = nullptr);
 
 /// The comparison of a deep file, flattened front to back, with a shallow image, pixel by pixel.
-struct DeepVerdict {
+struct DeepCheck {
     std::vector<std::string> layers;  ///< compared layers, including "beauty"
     double largest_alpha = 0;         ///< |alpha - shallow alpha|
     double largest_color = 0;         ///< relative to the sum of |colours| + |shallow|
@@ -44,6 +44,6 @@ struct DeepVerdict {
 ///     colour  (n u_A + u_c) sum |c_k| + u (|shallow| + sum |c_k|):
 /// each A has a rounding error, these add up in T, and T scales everything behind. Deviations that clamped values can
 /// explain are not errors. Errors: not a deep file, a size different from the image's, no common layer.
-Result<DeepVerdict> check_deep(const std::string& path, const ExrImage& image);
+Result<DeepCheck> check_deep(const std::string& path, const ExrImage& image);
 
 }  // namespace raylex::display

@@ -116,9 +116,9 @@ std::string interop_id(const ChannelDefinition& channel, const Chromaticities& p
 
 }  // namespace
 
-std::string verdict_placeholder(std::size_t partition) {
+std::string result_placeholder(std::size_t partition) {
     std::string text = "\x01 to be judged \x01 " + std::to_string(partition) + ' ';
-    text.resize(verdict_length, '.');
+    text.resize(result_length, '.');
     return text;
 }
 
@@ -184,7 +184,7 @@ std::vector<PlannedPart> plan_parts(std::span<const ChannelDefinition> channels,
         const Status status = check_partition(channels, beauty, partition);
         if (status) {
             all["partition/" + partition.name] = format_partition(partition);
-            all["verdict/" + partition.name] = verdict_placeholder(i);
+            all["verdict/" + partition.name] = result_placeholder(i);
         } else
             all["raylex/refusedPartition"] +=
                 (all["raylex/refusedPartition"].empty() ? "" : "; ") + status.error().message;

@@ -23,9 +23,9 @@ inline constexpr std::size_t most_layers = 4096;
 /// The subset of check_exr_layout() without which no file can be written.
 Status check_channel_names(std::span<const ChannelDefinition> channels, ChannelId beauty);
 
-/// The value of a `verdict/NAME` attribute until the pixels are known: a unique text of verdict_length bytes.
-[[nodiscard]] std::string verdict_placeholder(std::size_t partition);
-inline constexpr std::size_t verdict_length = 224;
+/// The value of a `verdict/NAME` attribute until the pixels are known: a unique text of result_length bytes.
+[[nodiscard]] std::string result_placeholder(std::size_t partition);
+inline constexpr std::size_t result_length = 224;
 
 /// Returns whether the layers of the partition and the layer that they split all exist, by the rules of plan_parts().
 [[nodiscard]] bool is_declared(std::span<const ChannelDefinition> channels, ChannelId beauty,

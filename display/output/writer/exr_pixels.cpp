@@ -34,9 +34,9 @@ bool float_plane(const double* values, std::size_t count, std::size_t stride, ch
 
 // Stores one plane of `stride`-interleaved doubles as the bytes of a file, and in `judged` unless it is null.
 void store_plane(const double* values, std::size_t count, std::size_t stride, float miss, StoredType type, char* bytes,
-                 float* judged) {
+                 float* checked) {
     if (type == StoredType::single_float && float_plane(values, count, stride, bytes)) {
-        if (judged != nullptr) std::memcpy(judged, bytes, 4 * count);
+        if (checked != nullptr) std::memcpy(checked, bytes, 4 * count);
         return;
     }
     Repairs repairs;
@@ -55,7 +55,7 @@ void store_plane(const double* values, std::size_t count, std::size_t stride, fl
         } else {
             std::memcpy(bytes + 4 * i, &stored, 4);
         }
-        if (judged != nullptr) judged[i] = stored;
+        if (checked != nullptr) checked[i] = stored;
     }
 }
 
@@ -88,7 +88,7 @@ float Repairs::to_stored(double value, float miss, StoredType type) {
     return static_cast<float>(std::copysign(largest, value));
 }
 
-PartPixels part_pixels(const PixelImage& frame_buffer, const PlannedPart& part, const PixelRegion& rows, bool judged) {
+PartPixels part_pixels(const PixelImage& frame_buffer, const PlannedPart& part, const PixelRegion& rows, bool checked) {
     if (part.data != nullptr) return data_pixels(*part.data, rows);
     const ChannelDefinition& channel = definition_of(frame_buffer, part);
     const auto components = static_cast<std::size_t>(component_count(channel.type));
@@ -97,7 +97,7 @@ PartPixels part_pixels(const PixelImage& frame_buffer, const PlannedPart& part, 
                       size = part.storage.type == StoredType::half_float ? 2 : 4;
     PartPixels result;
     result.planes.assign(components + (part.alpha ? 1 : 0), std::vector<char>(count * size));
-    if (judged) result.judged.assign(components, std::vector<float>(count));
+    if (checked) result.checked.assign(components, std::vector<float>(count));
     // Line by line, because the doubles of all rows would not fit in the processor's cache.
     const int together = std::max(1, most_cached / rows.width());
     for (PixelRegion lines = rows; lines.y0 < rows.y1; lines.y0 = lines.y1) {
@@ -107,7 +107,7 @@ PartPixels part_pixels(const PixelImage& frame_buffer, const PlannedPart& part, 
         const std::vector<double> pixels = frame_buffer.resolve(part.channel, lines);
         for (std::size_t c = 0; c < components; ++c)
             store_plane(pixels.data() + c, here, components, channel.miss_value, part.storage.type,
-                        result.planes[c].data() + first * size, judged ? result.judged[c].data() + first : nullptr);
+                        result.planes[c].data() + first * size, checked ? result.checked[c].data() + first : nullptr);
         if (part.alpha)
             store_plane(frame_buffer.resolve_alpha(lines).data(), here, 1, 0, part.storage.type,
                         result.planes.back().data() + first * size, nullptr);

@@ -22,13 +22,13 @@ struct Repairs {
 
 /// The pixels of one part: plane after plane, in the part's order.
 struct PartPixels {
-    std::vector<std::vector<char>> planes;   ///< bytes of the file's type, row-major
-    std::vector<std::vector<float>> judged;  ///< the values as float, if a split needs them: 3 planes or 1
+    std::vector<std::vector<char>> planes;    ///< bytes of the file's type, row-major
+    std::vector<std::vector<float>> checked;  ///< the values as float, if a split needs them: 3 planes or 1
 };
 
 /// The pixels of a part in whole rows [rows.y0, rows.y1).
 [[nodiscard]] PartPixels part_pixels(const PixelImage& frame_buffer, const PlannedPart& part, const PixelRegion& rows,
-                                     bool judged);
+                                     bool checked);
 
 /// Returns whether a part can have values that its file cannot store.
 [[nodiscard]] bool may_need_repair(const PixelImage& frame_buffer, const PlannedPart& part);

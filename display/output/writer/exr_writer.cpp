@@ -49,10 +49,10 @@ class WrittenSplits {
     }
     void end_band(const PixelRegion& rows) {
         for (Split& split : splits_) {
-            SplitVerdict verdict = split.sum->verdict(false);
+            SplitResult result = split.sum->result(false);
             split.sum.reset();
-            if (split.verdict) add_rows(*split.verdict, verdict, rows.y0);
-            else split.verdict = std::move(verdict);
+            if (split.result) add_rows(*split.result, result, rows.y0);
+            else split.result = std::move(result);
         }
     }
 
@@ -63,9 +63,9 @@ class WrittenSplits {
                });
     }
     void take(const PlannedPart& part, const PartPixels& pixels) {
-        if (pixels.judged.empty()) return;
+        if (pixels.checked.empty()) return;
         SplitLayer layer;
-        for (std::size_t c = 0; c < 3; ++c) layer.planes[c] = pixels.judged[pixels.judged.size() == 3 ? c : 0];
+        for (std::size_t c = 0; c < 3; ++c) layer.planes[c] = pixels.checked[pixels.checked.size() == 3 ? c : 0];
         layer.types.fill(part.storage.type);
         for (Split& split : splits_) {
             const bool whole = name_of(part) == whole_of(split), member = contains(split, name_of(part));
@@ -74,27 +74,27 @@ class WrittenSplits {
             if ((whole || member) && is_lossy(part.storage.compression)) split.lossy = storage_text(part.storage);
         }
     }
-    [[nodiscard]] std::vector<SplitVerdict> verdicts() const {
-        std::vector<SplitVerdict> all;
+    [[nodiscard]] std::vector<SplitResult> results() const {
+        std::vector<SplitResult> all;
         for (const Split& split : splits_) {
             if (!split.lossy.empty()) continue;  // the file does not contain the values that were added here
-            SplitVerdict verdict = *split.verdict;
-            verdict.partition = split.partition.name;
-            verdict.of = whole_of(split);
-            verdict.layers = split.partition.layers;
-            all.push_back(std::move(verdict));
+            SplitResult result = *split.result;
+            result.partition = split.partition.name;
+            result.of = whole_of(split);
+            result.layers = split.partition.layers;
+            all.push_back(std::move(result));
         }
         return all;
     }
     /// Overwrites the placeholders in the file's header. Texts have equal lengths, so nothing moves.
-    void write_verdicts(AtomicFile& file, const HeaderRecorder& header) const {
+    void write_results(AtomicFile& file, const HeaderRecorder& header) const {
         for (const Split& split : splits_) {
-            const std::size_t position = header.find(verdict_placeholder(split.index));
+            const std::size_t position = header.find(result_placeholder(split.index));
             if (position == std::string::npos) continue;
-            std::string text = split.lossy.empty() ? verdict_attribute(*split.verdict, split.partition.layers.size())
+            std::string text = split.lossy.empty() ? result_attribute(*split.result, split.partition.layers.size())
                                                    : "not judged while writing: " + split.lossy +
                                                          " loses bits; raylex verify judges the file";
-            text.resize(verdict_length, ' ');
+            text.resize(result_length, ' ');
             if (!file.seek(position) || !file.write(text.data(), text.size()))
                 throw std::runtime_error("writing failed");
         }
@@ -104,10 +104,10 @@ class WrittenSplits {
     struct Split {
         std::size_t index;
         PartitionDeclaration partition;
-        std::optional<SplitSum> sum;          ///< for one band
-        std::optional<SplitVerdict> verdict;  ///< for the bands that have ended
-        std::string lossy;                    ///< storage of a layer that changes its values in the file; empty if
-                                              ///< there is none
+        std::optional<SplitSum> sum;        ///< for one band
+        std::optional<SplitResult> result;  ///< for the bands that have ended
+        std::string lossy;                  ///< storage of a layer that changes its values in the file; empty if
+                                            ///< there is none
     };
     [[nodiscard]] std::string name_of(const PlannedPart& part) const {
         return part.channel == beauty_ ? "beauty"
@@ -254,7 +254,7 @@ void write_band(Imf::MultiPartOutputFile& output, const PixelImage& frame_buffer
 
 void write_parts(AtomicFile& file, const PixelImage& frame_buffer, ChannelId beauty,
                  const std::vector<PlannedPart>& parts, const std::vector<PixelRegion>& bands,
-                 const ImageDescription& description, std::vector<SplitVerdict>* verdicts) {
+                 const ImageDescription& description, std::vector<SplitResult>* results) {
     const FrameBufferLayout& layout = frame_buffer.layout();
     const std::vector<Imf::Header> headers = headers_of(parts, layout, description);
     const bool quick = is_quick(parts, layout.width);
@@ -268,14 +268,14 @@ void write_parts(AtomicFile& file, const PixelImage& frame_buffer, ChannelId bea
         for (const PixelRegion& rows : bands)
             write_band(output, frame_buffer, parts, rows, description.single_part, when, splits);
     }  // the library writes its table of chunks here
-    splits.write_verdicts(file, stream);
-    if (verdicts != nullptr) *verdicts = splits.verdicts();
+    splits.write_results(file, stream);
+    if (results != nullptr) *results = splits.results();
 }
 
 }  // namespace
 
 Status write_exr(const std::string& path, const PixelImage& frame_buffer, ChannelId beauty,
-                 const ImageDescription& description, std::vector<SplitVerdict>* verdicts) {
+                 const ImageDescription& description, std::vector<SplitResult>* results) {
     const auto located = [&path](Error error) {
         error.file = path;
         return error;
@@ -288,7 +288,7 @@ Status write_exr(const std::string& path, const PixelImage& frame_buffer, Channe
         std::vector<PlannedPart> parts = plan_parts(frame_buffer.channels(), beauty, description);
         const std::vector<PixelRegion> bands = bands_to_write(frame_buffer, description);
         note_all_repairs(frame_buffer, bands, parts);
-        write_parts(*file, frame_buffer, beauty, parts, bands, description, verdicts);
+        write_parts(*file, frame_buffer, beauty, parts, bands, description, results);
     } catch (const BandFailure& failure) { return failure.error(); } catch (const std::exception& exception) {
         if (file->failed()) return located(file->failure());
         Error error;

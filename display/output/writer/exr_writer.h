@@ -61,7 +61,7 @@ struct ImageDescription {
 /// VLen). A partition with missing layers is not declared; `raylex/refusedPartition` gives the reason. `verdicts` gets
 /// the results of check_declared_splits() for the file, without maps of residuals and without splits of lossy layers.
 Status write_exr(const std::string& path, const PixelImage& frame_buffer, ChannelId beauty,
-                 const ImageDescription& description, std::vector<SplitVerdict>* verdicts = nullptr);
+                 const ImageDescription& description, std::vector<SplitResult>* results = nullptr);
 
 /// The library's memory until a file of these channels, with the default storage, is closed.
 [[nodiscard]] std::uint64_t exr_writing_bytes(std::span<const ChannelDefinition> channels, ChannelId beauty, int width);

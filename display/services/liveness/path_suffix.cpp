@@ -52,13 +52,13 @@ PathSuffix LpeServices::prepend(PathSuffixes& pool, const PathSuffix& suffix, st
     return longer;
 }
 
-void LpeServices::join(Tracker& tracker, const PathSuffixes& pool, const PathSuffix& suffix) {
-    for (std::uint32_t at = suffix.path_; path_words_ != nullptr && at != 0;) {
+void LpeServices::connect(Tracker& tracker, const PathSuffixes& pool, const PathSuffix& suffix) {
+    for (std::uint32_t at = suffix.path_; path_strings_ != nullptr && at != 0;) {
         const PathSuffixes::Event& event = pool.events_[at - 1];
         keep_move(tracker, {pool.parts_.data() + event.first, event.count});
         at = event.next + 1 == at ? 0 : event.next + 1;
     }
-    join_states(tracker, pool, suffix);
+    connect_states(tracker, pool, suffix);
 }
 
 PathSuffix LpeServices::begin_states(PathSuffixes& pool, lpe::EventClass terminal) const {
@@ -127,7 +127,7 @@ LpeServices::SplitSuffix LpeServices::prepend_split(PathSuffixes& pool, const Pa
     return result;
 }
 
-void LpeServices::join_states(Tracker& tracker, const PathSuffixes& pool, const PathSuffix& suffix) {
+void LpeServices::connect_states(Tracker& tracker, const PathSuffixes& pool, const PathSuffix& suffix) {
     if (tracker.count_ == 0) return;
     if (pool.reversed_ == nullptr) {
         if (!suffix.live()) tracker.count_ = 0;
@@ -141,7 +141,7 @@ void LpeServices::join_states(Tracker& tracker, const PathSuffixes& pool, const 
     const lpe::ReversedProgram& reversed = *pool.reversed_;
     if (tracker.whole_ && suffix.whole_) {
         lpe::State* const state = tracker.state_.data();
-        tracker.count_ = suffix.branches_ != 0 && reversed.join(state, pool.states(suffix), state);
+        tracker.count_ = suffix.branches_ != 0 && reversed.connect(state, pool.states(suffix), state);
         return;
     }
     // One move for each event, so that each connection of a camera vertex draws its own numbers.
@@ -160,7 +160,7 @@ void LpeServices::join_states(Tracker& tracker, const PathSuffixes& pool, const 
         for (std::size_t k = 0; k < of_light.count; ++k) {
             if (!joined.has_room_for(1)) shrink();
             lpe::State* const whole = joined.candidates();
-            if (!reversed.join(of_camera.state_of(i), of_light.state_of(k), whole)) continue;
+            if (!reversed.connect(of_camera.state_of(i), of_light.state_of(k), whole)) continue;
             const RgbD share = of_camera.share_of(i) * of_light.share_of(k);
             if (share.r != 0 || share.g != 0 || share.b != 0) joined.add(whole, share);
         }

@@ -14,7 +14,7 @@
 //     pool.clear();                                               // once a batch
 //     PathSuffix suffix = lpe.begin(pool, terminal);              // at the light
 //     suffix = lpe.prepend(pool, suffix, parts, key);             // at each vertex that scatters
-//     lpe.move(tracker, parts);  lpe.join(tracker, pool, suffix); // the camera side, past the joined vertex
+//     lpe.move(tracker, parts);  lpe.connect(tracker, pool, suffix); // the camera side, past the joined vertex
 //     lpe.contribute(value, technique, tracker);
 #pragma once
 

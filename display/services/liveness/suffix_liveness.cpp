@@ -27,13 +27,14 @@ SuffixLiveness::SuffixLiveness(const LpeSetup& setup, const lpe::ReversedProgram
         StateSets accepted(count);
         for (State state = 1; state < count; ++state) accepted[state] = reversed->accepts(word, camera, state);
         const StateSets seen = table.eventually(straight, std::move(accepted));
-        const StateSets joins = table.eventually(straight, table.before(with_density, table.eventually(steps, seen)));
+        const StateSets connects =
+            table.eventually(straight, table.before(with_density, table.eventually(steps, seen)));
         StateSets meets = seen;
-        for (State state = 0; state < count; ++state) meets[state] |= joins[state];
+        for (State state = 0; state < count; ++state) meets[state] |= connects[state];
         const StateSets goes_on = table.eventually(steps, table.before(with_density, meets));
         std::vector<LiveSet>& live = states_.emplace_back();
         for (State state = 0; state < count; ++state)
-            live.push_back({seen[state] != 0, joins[state] != 0, goes_on[state] != 0});
+            live.push_back({seen[state] != 0, connects[state] != 0, goes_on[state] != 0});
     }
 }
 
@@ -54,7 +55,7 @@ SuffixLiveness::LiveSet SuffixLiveness::of(const PathSuffixes& pool, const PathS
     LiveSet live{false, false, false};
     const State* state = pool.states(suffix);
     for (std::size_t branch = 0; branch < suffix.branches_; ++branch)
-        for (const std::vector<LiveSet>& of_word : states_) join(live, of_word[*state++]);
+        for (const std::vector<LiveSet>& of_path_string : states_) join(live, of_path_string[*state++]);
     return live;
 }
 
@@ -73,8 +74,8 @@ SuffixLiveness::LiveSet SuffixLiveness::after(const PathSuffixes& pool, const Pa
     return live;
 }
 
-bool SuffixLiveness::joins(const Tracker& camera, std::span<const EventClass> here, const PathSuffixes& pool,
-                           const PathSuffix& suffix, std::span<const EventClass> there) const {
+bool SuffixLiveness::connects(const Tracker& camera, std::span<const EventClass> here, const PathSuffixes& pool,
+                              const PathSuffix& suffix, std::span<const EventClass> there) const {
     if (states_.empty() || cutouts_) return true;  // cutouts in between leave events that only a ray finds
     const std::size_t groups = states_.size();
     const auto in_group = [&](std::size_t group, State of_camera, State of_light) {

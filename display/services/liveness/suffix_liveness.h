@@ -16,12 +16,12 @@ class SuffixLiveness {
   public:
     /// What is live for a suffix.
     struct LiveSet {
-        bool seen = true;   ///< its last vertex can count where the camera sees it, through cutouts or not
-        bool joins = true;  ///< that vertex can count where it is joined with a vertex of a camera subpath
+        bool seen = true;      ///< its last vertex can count where the camera sees it, through cutouts or not
+        bool connects = true;  ///< that vertex can count where it is joined with a vertex of a camera subpath
         /// The light subpath can scatter further and count there, seen or joined. Either needs a density at that
         /// vertex, and a join also one at its neighbour.
         bool goes_on = true;
-        [[nodiscard]] bool anything() const { return seen || joins || goes_on; }
+        [[nodiscard]] bool anything() const { return seen || connects || goes_on; }
     };
 
     /// Without tables: everything is live.
@@ -39,14 +39,14 @@ class SuffixLiveness {
                                 std::span<const lpe::EventClass> scatterings, std::size_t with_density) const;
     /// Whether a channel may accept the path string of `camera`, then one event of `here`, one of `there`, and
     /// `suffix`.
-    [[nodiscard]] bool joins(const Tracker& camera, std::span<const lpe::EventClass> here, const PathSuffixes& pool,
-                             const PathSuffix& suffix, std::span<const lpe::EventClass> there) const;
+    [[nodiscard]] bool connects(const Tracker& camera, std::span<const lpe::EventClass> here, const PathSuffixes& pool,
+                                const PathSuffix& suffix, std::span<const lpe::EventClass> there) const;
 
   private:
     [[nodiscard]] LiveSet before(std::span<const lpe::State> state, lpe::EventClass event) const;
     static void join(LiveSet& live, const LiveSet& other) {
         live.seen |= other.seen;
-        live.joins |= other.joins;
+        live.connects |= other.connects;
         live.goes_on |= other.goes_on;
     }
 

@@ -6,7 +6,7 @@
 
 namespace raylex::display {
 
-/// One event as an argument of contribute_apart().
+/// One event as an argument of contribute_slow_path().
 struct LpeServices::Report {
     Rgb value;  ///< the value that beauty takes
     EmitterSample sample;
@@ -85,20 +85,20 @@ bool LpeServices::needs_visibility(const Tracker& tracker) const {
 
 void LpeServices::hold_out(Tracker& tracker) {
     tracker.held_out_ = true;
-    apart_ = true;
+    slow_path_ = true;
 }
 
 void LpeServices::contribute(const Rgb& value, Technique technique, const Tracker& tracker,
                              const EmitterSample& sample) {
-    contribute_apart({value, sample, &technique}, tracker);
+    contribute_slow_path({value, sample, &technique}, tracker);
 }
 
 void LpeServices::contribute_user(const Rgb& value, const Rgb& throughput, const Tracker& tracker) {
     const Rgb through = value * throughput;
-    contribute_apart({through, {value, through, 1, false}, nullptr}, tracker);
+    contribute_slow_path({through, {value, through, 1, false}, nullptr}, tracker);
 }
 
-void LpeServices::contribute_apart(const Report& report, const Tracker& tracker) {
+void LpeServices::contribute_slow_path(const Report& report, const Tracker& tracker) {
     const Rgb& value = report.value;
     const bool valid = !out_of_range(value, setup_.largest_contribution_), black = value.is_black();
     if (!valid) reject(value, tracker);
@@ -113,7 +113,7 @@ void LpeServices::contribute_apart(const Report& report, const Tracker& tracker)
     };
     if (valid && !black && report.technique != nullptr && takes_all(tracker)) {
         splat(setup_.beauty_, whole);
-        if (path_words_ != nullptr) keep_light(value, *report.technique, tracker);
+        if (path_strings_ != nullptr) keep_light(value, *report.technique, tracker);
     }
     const std::size_t groups = tracker.groups_;
     for (std::size_t branch = 0; branch < tracker.count_; ++branch) {
@@ -133,14 +133,14 @@ void LpeServices::contribute_apart(const Report& report, const Tracker& tracker)
         });
     }
     if (sharing_.empty()) return;
-    splat_apart(report, tracker, valid);
+    splat_slow_path(report, tracker, valid);
     for (const std::uint16_t channel : sharing_) shares_[channel] = unused;
     sharing_.clear();
 }
 
 /// Splats to the channels of sharing_, each with its own value. A value that is out of range counts as one rejected
 /// contribution for all channels together, unless beauty's was already rejected.
-void LpeServices::splat_apart(const Report& report, const Tracker& tracker, bool valid) {
+void LpeServices::splat_slow_path(const Report& report, const Tracker& tracker, bool valid) {
     bool rejected = !valid;
     for (const std::uint16_t channel : sharing_) {
         const ChannelPrefixes& prefixes = setup_.prefixes_[channel];

@@ -91,8 +91,8 @@ LpeServices::LpeServices(const LpeSetup& setup, SampleTable& table, std::uint64_
       targets_(table.sets() != nullptr ? table.sets()->targets() : setup.targets_),
       seed_(seed),
       attribution_(attribution),
-      path_words_(setup.words() != nullptr ? &table.keep_words(*setup.words()) : nullptr),
-      apart_(setup.prefixed_),
+      path_strings_(setup.words() != nullptr ? &table.keep_path_strings(*setup.words()) : nullptr),
+      slow_path_(setup.prefixed_),
       shares_(setup.prefixes_.size(), unused) {
     sharing_.reserve(setup.prefixes_.size());
 }
@@ -148,7 +148,7 @@ void LpeServices::split(Tracker& tracker, std::span<const LobePart> parts) {
 }
 
 /// Splats to packed channels, and to other channels of a set without a column in the table.
-void LpeServices::splat_apart(std::span<const ChannelId> channels, const RgbD& value, int row) {
+void LpeServices::splat_slow_path(std::span<const ChannelId> channels, const RgbD& value, int row) {
     for (const ChannelId id : channels) {
         double* to = table_.raw_values(id) + 3 * static_cast<std::size_t>(row);
         for (int c = 0; c < 3; ++c) to[c] += value[c];

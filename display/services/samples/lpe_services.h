@@ -58,8 +58,8 @@ class BranchList;
 struct Branches;
 class PathSuffix;
 class PathSuffixes;
-class PathWords;
-class WordAlphabet;
+class BatchPathStrings;
+class PathAlphabet;
 
 /// Opaque, with fixed capacity and without heap memory. To look one event ahead (a light sample), copy it and drop the
 /// copy. Copying costs only the used part: almost nothing without expression channels, one state for a path that was
@@ -88,7 +88,7 @@ class Tracker {
     friend class SuffixLiveness;
     void copy(const Tracker& other) noexcept;
     std::int32_t row_ = 0;
-    std::uint32_t path_ = 0;                    // path in the batch's PathWords, if an atlas keeps words
+    std::uint32_t path_ = 0;                    // path in the batch's BatchPathStrings, if an atlas keeps words
     std::uint16_t moves_ = 0;                   // number of moves; with the pixel and sample of row_ it seeds the
                                                 // random numbers at overflows
     std::uint8_t count_ = 0;                    // branches
@@ -110,14 +110,14 @@ class LpeSetup {
     /// channel of another type than rgb; prefixes that contradict each other.
     static Result<LpeSetup> build(std::span<const ChannelDefinition> channels, ChannelId beauty,
                                   const lpe::CompileOptions& options = {});
-    /// Makes the services keep the path string of every contribution in this alphabet (path_words.h), for a path atlas.
-    /// Events are then classified by the columns of the alphabet, so call it before classifying any. Errors: too large
-    /// an automaton.
-    Status keep_words(WordAlphabet alphabet);
+    /// Makes the services keep the path string of every contribution in this alphabet (batch_path_strings.h), for a
+    /// path atlas. Events are then classified by the columns of the alphabet, so call it before classifying any.
+    /// Errors: too large an automaton.
+    Status keep_path_strings(PathAlphabet alphabet);
     /// Null if path strings are not kept.
-    [[nodiscard]] const std::shared_ptr<const WordAlphabet>& words() const { return alphabet_; }
+    [[nodiscard]] const std::shared_ptr<const PathAlphabet>& words() const { return alphabet_; }
     /// Returns whether moves matter, because there are channels or an atlas.
-    [[nodiscard]] bool reads_words() const { return program_.group_count() > 0 || alphabet_ != nullptr; }
+    [[nodiscard]] bool reads_path_strings() const { return program_.group_count() > 0 || alphabet_ != nullptr; }
     /// The class of an event. Call it once per (object label, lobe) and per light group, not in the inner loop.
     [[nodiscard]] lpe::EventClass classify(const lpe::Event& event) const {
         if (alphabet_ != nullptr) return column_of(event);
@@ -155,7 +155,7 @@ class LpeSetup {
         return prefixes_[channel].holdouts ? holdouts : ordinary;
     }
     lpe::Program program_;
-    std::shared_ptr<const WordAlphabet> alphabet_;
+    std::shared_ptr<const PathAlphabet> alphabet_;
     std::vector<lpe::State> first_states_;      // [word] after the camera event; empty when all are dead
     std::vector<ChannelId> channel_of_accept_;  // program channel -> display channel
     SplatTargets targets_;                      // each channel separately
@@ -198,7 +198,7 @@ class LpeServices {
     [[nodiscard]] PathSuffix prepend(PathSuffixes& pool, const PathSuffix& suffix, std::span<const LobePart> parts,
                                      std::uint64_t key);
     /// Moves the tracker along all events of `suffix`, its terminal included.
-    void join(Tracker& tracker, const PathSuffixes& pool, const PathSuffix& suffix);
+    void connect(Tracker& tracker, const PathSuffixes& pool, const PathSuffix& suffix);
 
     /// Adds `value` (radiance times throughput, without the filter weight) to beauty and to every channel whose
     /// expression accepts the path. The tracker must have passed the terminal event. Values that are not finite, or
@@ -245,8 +245,8 @@ class LpeServices {
   private:
     struct Report;
     struct SplitSuffix;
-    void contribute_apart(const Report& report, const Tracker& tracker);
-    void splat_apart(const Report& report, const Tracker& tracker, bool valid);
+    void contribute_slow_path(const Report& report, const Tracker& tracker);
+    void splat_slow_path(const Report& report, const Tracker& tracker, bool valid);
     [[nodiscard]] bool is_live(const Tracker& tracker) const;
     /// Whether a channel that takes such paths can still accept from these states. Needs setup_.live_.
     [[nodiscard]] bool is_live(const lpe::State* words, bool held_out) const {
@@ -257,7 +257,7 @@ class LpeServices {
     // The parts of moves and connections for channels, and those for an atlas.
     void move_states(Tracker& tracker, lpe::EventClass event) const;
     void move_states(Tracker& tracker, std::span<const LobePart> parts);
-    void join_states(Tracker& tracker, const PathSuffixes& pool, const PathSuffix& suffix);
+    void connect_states(Tracker& tracker, const PathSuffixes& pool, const PathSuffix& suffix);
     [[nodiscard]] PathSuffix begin_states(PathSuffixes& pool, lpe::EventClass terminal) const;
     [[nodiscard]] PathSuffix prepend_states(PathSuffixes& pool, const PathSuffix& suffix, lpe::EventClass event) const;
     [[nodiscard]] PathSuffix prepend_states(PathSuffixes& pool, const PathSuffix& suffix,
@@ -267,7 +267,7 @@ class LpeServices {
     void keep_light(const Rgb& value, Technique technique, const Tracker& tracker) const;
     void split(Tracker& tracker, std::span<const LobePart> parts);
     void reject(const Rgb& value, const Tracker& tracker);
-    void splat_apart(std::span<const ChannelId> channels, const RgbD& value, int row);
+    void splat_slow_path(std::span<const ChannelId> channels, const RgbD& value, int row);
     SplitSuffix prepend_split(PathSuffixes& pool, const PathSuffix& suffix, std::span<const LobePart> parts,
                               std::uint64_t key) const;
     [[nodiscard]] static Branches branches_of(const Tracker& tracker);
@@ -281,8 +281,8 @@ class LpeServices {
     std::uint64_t seed_ = 0;
     Attribution attribution_ = Attribution::exact;
     std::uint64_t overflow_count_ = 0, invalid_count_ = 0;
-    PathWords* path_words_;  // of the table; null unless an atlas keeps words
-    bool apart_;             // prefixes or holdouts: contributions use the slow path
+    BatchPathStrings* path_strings_;  // of the table; null unless an atlas keeps words
+    bool slow_path_;                  // prefixes or holdouts: contributions use the slow path
     static constexpr RgbD unused{-1.0};
     std::vector<RgbD> shares_;            // [program channel] of one contribution, for channels with own_value()
     std::vector<std::uint16_t> sharing_;  // channels whose shares_ are in use

@@ -72,13 +72,13 @@ inline void LpeServices::move_states(Tracker& tracker, std::span<const LobePart>
 }
 
 inline void LpeServices::move(Tracker& tracker, lpe::EventClass event) const {
-    if (path_words_ != nullptr) [[unlikely]]
+    if (path_strings_ != nullptr) [[unlikely]]
         keep_move(tracker, event);
     move_states(tracker, event);
 }
 
 inline void LpeServices::move(Tracker& tracker, std::span<const LobePart> parts) {
-    if (path_words_ != nullptr) [[unlikely]]
+    if (path_strings_ != nullptr) [[unlikely]]
         keep_move(tracker, parts);
     move_states(tracker, parts);
 }
@@ -91,7 +91,7 @@ inline bool out_of_range(const Rgb& value, float largest) {
 
 inline void LpeServices::contribute(const Rgb& value, Technique technique, const Tracker& tracker) {
     if (value.is_black()) return;  // usual for a light sample behind the surface
-    if (apart_) [[unlikely]] {
+    if (slow_path_) [[unlikely]] {
         contribute(value, technique, tracker, EmitterSample{value, value, 1, false});
         return;
     }
@@ -108,7 +108,7 @@ inline void LpeServices::contribute(const Rgb& value, Technique technique, const
         beauty[2] += b;
         table_.touch_in_passing(setup_.beauty_, tracker.row_);
     }
-    if (path_words_ != nullptr) [[unlikely]]
+    if (path_strings_ != nullptr) [[unlikely]]
         keep_light(value, technique, tracker);
     const std::size_t words = tracker.groups_;
     const lpe::ProgramView& program = setup_.program_.view();
@@ -133,8 +133,8 @@ inline void LpeServices::contribute(const Rgb& value, Technique technique, const
                 }
             }
         program.for_each_accepted_parallel(states, [&](std::uint16_t channel) {
-            splat_apart({&setup_.channel_of_accept_[channel], 1}, RgbD(part.first[1], part.second[0], part.second[1]),
-                        tracker.row_);
+            splat_slow_path({&setup_.channel_of_accept_[channel], 1},
+                            RgbD(part.first[1], part.second[0], part.second[1]), tracker.row_);
         });
     }
 }

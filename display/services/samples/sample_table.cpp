@@ -8,7 +8,7 @@
 #include <numeric>
 #include <utility>
 
-#include "display/services/samples/path_words.h"
+#include "display/services/samples/batch_path_strings.h"
 
 namespace raylex::display {
 namespace {
@@ -44,8 +44,8 @@ SampleTable::SampleTable(std::span<const ChannelDefinition> channels, int max_ro
 SampleTable::SampleTable(SampleTable&&) noexcept = default;
 SampleTable::~SampleTable() = default;
 
-PathWords& SampleTable::keep_words(const WordAlphabet& alphabet) {
-    words_ = std::make_unique<PathWords>(alphabet);
+BatchPathStrings& SampleTable::keep_path_strings(const PathAlphabet& alphabet) {
+    words_ = std::make_unique<BatchPathStrings>(alphabet);
     return *words_;
 }
 
@@ -126,7 +126,7 @@ void SampleTable::clear_channel(std::size_t channel, std::size_t values, double 
 
 void SampleTable::clear_rows(int count) {
     const auto rows = static_cast<std::size_t>(count);
-    sent_apart_ = 0;
+    sent_separately_ = 0;
     for (std::size_t channel = 0; channel < channels_.size(); ++channel)
         if (touched_[channel] != 0) clear_channel(channel, values_per_row(channels_[channel]), fill_[channel], rows);
     clear_sets();

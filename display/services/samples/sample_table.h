@@ -21,8 +21,8 @@
 
 namespace raylex::display {
 
-class PathWords;
-class WordAlphabet;
+class BatchPathStrings;
+class PathAlphabet;
 
 /// The data of a camera ray before it is traced, one entry per row.
 struct CameraRow {
@@ -123,11 +123,11 @@ class SampleTable {
     [[nodiscard]] bool touched(ChannelId id) const { return touched_[static_cast<std::size_t>(id)] != 0; }
     void touch(ChannelId id, int row) {
         touch_in_passing(id, row);
-        sent_apart_ |= shared_[static_cast<std::size_t>(id)];
+        sent_separately_ |= shared_[static_cast<std::size_t>(id)];
     }
     void touch(ChannelId id) {  ///< all rows
         touched_[static_cast<std::size_t>(id)] = ~std::uint64_t{0};
-        sent_apart_ |= shared_[static_cast<std::size_t>(id)];
+        sent_separately_ |= shared_[static_cast<std::size_t>(id)];
     }
     /// Records a touched row of a channel for its regular light, that is, without marking it as sent apart.
     void touch_in_passing(ChannelId id, int row) {
@@ -168,7 +168,7 @@ class SampleTable {
         return {sum.r, sum.g, sum.b};
     }
     /// Returns whether a channel with sets also got values of its own, which add to those of the sets.
-    [[nodiscard]] bool sent_apart() const { return sent_apart_ != 0; }
+    [[nodiscard]] bool sent_separately() const { return sent_separately_ != 0; }
 
     /// [channel] the touched stripes, to compare with stripes_of().
     [[nodiscard]] std::span<const std::uint64_t> touched_stripes() const { return touched_; }
@@ -193,9 +193,9 @@ class SampleTable {
     }
 
     /// Makes the table keep the path strings of its light, in an alphabet that outlives it, and the light of each one.
-    PathWords& keep_words(const WordAlphabet& alphabet);
+    BatchPathStrings& keep_path_strings(const PathAlphabet& alphabet);
     /// Null if path strings are not kept. An atlas stores its number of each path string in them.
-    [[nodiscard]] PathWords* words() const { return words_.get(); }
+    [[nodiscard]] BatchPathStrings* words() const { return words_.get(); }
 
     std::vector<float> depth;  ///< [row] hit distance or the value of WriteDistance; +inf for a miss
     std::vector<std::uint8_t> is_volume;
@@ -260,7 +260,7 @@ class SampleTable {
         std::vector<SetSum> sums;    // [block * set_stride + place]; 0 unless `masks` marks it
         std::vector<SetMask> masks;  // [block]
     };
-    std::unique_ptr<PathWords> words_;
+    std::unique_ptr<BatchPathStrings> words_;
     const SplatSets* sets_ = nullptr;
     std::vector<std::int32_t> place_of_set_;  // [set] negative: not in this batch
     std::vector<std::uint32_t> sets_in_use_;  // [place]
@@ -268,7 +268,7 @@ class SampleTable {
     std::vector<SetRow> set_rows_;      // [row]
     std::uint32_t set_blocks_ = 0;      // number of blocks in this batch
     std::vector<std::uint8_t> shared_;  // [channel]
-    std::uint8_t sent_apart_ = 0;
+    std::uint8_t sent_separately_ = 0;
     std::vector<std::uint32_t> invalid_;  // [camera row]
     Counts counts_, counts_before_;       // counts_before_: at the begin of the batch
     bool counts_changed_ = false;         // since the begin of the batch

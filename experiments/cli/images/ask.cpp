@@ -13,11 +13,11 @@
 #include "display/output/splits/split_check.h"
 #include "display/output/writer/exr_writer.h"
 #include "experiments/atlas/answer.h"
-#include "experiments/atlas/bright_words.h"
 #include "experiments/atlas/merged_atlas.h"
+#include "experiments/atlas/top_contributions.h"
+#include "experiments/cli/checks.h"
 #include "experiments/cli/commands.h"
 #include "experiments/cli/expression_options.h"
-#include "experiments/cli/judge.h"
 #include "experiments/job/rendering/provenance.h"
 #include "experiments/program/columns.h"
 #include "experiments/program/console.h"
@@ -40,12 +40,12 @@ Error option_error(const std::string& option, const std::string& message, const 
 
 Status check_options(const CLI::App& command, const AskOptions& options) {
     const bool layers = has_expressions(command), pixel = options.top || !options.at.empty();
-    const int asked = (layers ? 1 : 0) + (pixel ? 1 : 0) + (options.suggest ? 1 : 0) + (options.merge ? 1 : 0);
-    if (asked == 0)
+    const int requested = (layers ? 1 : 0) + (pixel ? 1 : 0) + (options.suggest ? 1 : 0) + (options.merge ? 1 : 0);
+    if (requested == 0)
         return option_error("ask",
                             "no question; expected --lpe, --channels, --partition or --light-groups "
                             "with -o, or --top, --suggest, or --merge with -o");
-    if (asked > 1)
+    if (requested > 1)
         return option_error("ask",
                             "layers, --top, --suggest and --merge exclude one another; "
                             "expected one of them at a time");
@@ -84,15 +84,15 @@ std::string with_error(double value, double error) {
 
 /// Prints the brightest words of a pixel.
 Status print_pixel(display::AtlasFile& atlas, int x, int y, std::size_t most) {
-    const auto pixel = bright_words(atlas, x, y, most);
+    const auto pixel = top_contributions(atlas, x, y, most);
     if (!pixel) return pixel.error();
     print_line("pixel (" + std::to_string(x) + ", " + std::to_string(y) +
                "): " + triple({pixel->rgba[0], pixel->rgba[1], pixel->rgba[2]}) + ", mean " +
                with_error(pixel->mean, pixel->error) + ", " + number_text(pixel->samples, 6) + " samples");
-    for (const BrightWord& word : pixel->words) {
+    for (const TopContribution& word : pixel->words) {
         const double share = pixel->mean != 0 ? 100 * word.mean / pixel->mean : 0;
         print_line("  " + padded(number_text(share) + " %", 9) + padded(with_error(word.mean, word.error), 24) +
-                   word_text(atlas.table(), word.word));
+                   path_string_text(atlas.table(), word.word));
     }
     if (pixel->more > 0) print_line("  and " + counted(pixel->more, "more word"));
     return success();
@@ -148,7 +148,7 @@ int merge_files(const AskOptions& options) {
         return report_error(written.error());
     auto file = display::AtlasFile::open(options.output);
     if (!file) return report_error(file.error());
-    return judge_atlas(**file);
+    return report_atlas_check(**file);
 }
 
 /// Warns of everything in channel files that an atlas does not have, and removes it from the job.
@@ -181,16 +181,16 @@ int write_layers(const CLI::App& command, display::AtlasFile& atlas, const AskOp
         return exit_does_not_hold;
     }
     answered->description.attributes["raylex/asked"] = shell_command(context.arguments);
-    const AskedLayers& layers = answered->layers;
-    std::vector<display::SplitVerdict> verdicts;
+    const RequestedLayers& layers = answered->layers;
+    std::vector<display::SplitResult> results;
     if (Status written =
-            display::write_exr(options.output, layers, AskedLayers::beauty, answered->description, &verdicts);
+            display::write_exr(options.output, layers, RequestedLayers::beauty, answered->description, &results);
         !written)
         return report_error(written.error());
     bool hold = true;
-    for (const display::SplitVerdict& verdict : verdicts) {
-        print_verdict(verdict_line(verdict), verdict.holds);
-        hold = hold && verdict.holds;
+    for (const display::SplitResult& result : results) {
+        print_result(result_line(result), result.holds);
+        hold = hold && result.holds;
     }
     print_line(options.output + ": " + std::to_string(atlas.width()) + "x" + std::to_string(atlas.height()) + ", " +
                counted(layers.channels().size(), "layer") + " from " +

@@ -7,8 +7,8 @@
 #include "display/output/reader/exr_reader.h"
 #include "display/output/splits/split_check.h"
 #include "experiments/atlas/merged_atlas.h"
+#include "experiments/cli/checks.h"
 #include "experiments/cli/commands.h"
-#include "experiments/cli/judge.h"
 #include "experiments/cli/plugin_options.h"
 #include "experiments/job/rendering/provenance.h"
 #include "experiments/program/console.h"
@@ -36,15 +36,15 @@ std::vector<std::string> records_of(const ImageMergeOptions& options) {
 }
 
 /// Checks the merged file as read back from disk, prints the results and returns the exit code.
-int judge_merged(const std::string& path) {
+int check_merged(const std::string& path) {
     auto file = display::ExrBands::open(path);
     if (!file) return report_error(file.error());
     const display::ExrImage& image = file->image();
     if (const std::string repaired = repaired_text(image.attributes); !repaired.empty()) print_warning(repaired);
     if (image.partitions.empty()) return exit_holds;
-    auto verdicts = display::check_declared_splits(*file);
-    if (!verdicts) return report_error(verdicts.error());
-    return print_verdicts_of_new(*verdicts, image) ? exit_holds : exit_does_not_hold;
+    auto results = display::check_declared_splits(*file);
+    if (!results) return report_error(results.error());
+    return print_results_of_new(*results, image) ? exit_holds : exit_does_not_hold;
 }
 
 /// Merges the atlases beside the records into one and returns the exit code.
@@ -70,7 +70,7 @@ int merge_atlases(const std::string& output, const MergedRender& merged) {
         return report_error(written.error());
     auto file = display::AtlasFile::open(output);
     if (!file) return report_error(file.error());
-    return judge_atlas(**file);
+    return report_atlas_check(**file);
 }
 
 int merge_records(const ImageMergeOptions& options, const std::vector<std::string>& arguments) {
@@ -92,7 +92,7 @@ int merge_records(const ImageMergeOptions& options, const std::vector<std::strin
     if (!merged) return report_error(merged.error());
     merged->image.description.attributes["raylex/merge_command"] = shell_command(arguments);
     if (Status written = write_merged_image(options.output, *merged); !written) return report_error(written.error());
-    int code = judge_merged(options.output);
+    int code = check_merged(options.output);
     if (code == exit_bad_input) return code;
     if (!options.atlas.empty()) {
         const int of_atlas = merge_atlases(options.atlas, *merged);

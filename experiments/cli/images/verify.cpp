@@ -8,8 +8,8 @@
 #include "display/output/reader/exr_layers.h"
 #include "display/output/reader/exr_reader.h"
 #include "display/output/splits/split_check.h"
+#include "experiments/cli/checks.h"
 #include "experiments/cli/commands.h"
-#include "experiments/cli/judge.h"
 #include "experiments/job/rendering/provenance.h"
 #include "experiments/program/console.h"
 #include "experiments/program/exit_codes.h"
@@ -26,10 +26,11 @@ struct VerifyOptions {
 };
 
 /// Prints the result of a check and writes a heat map if it fails. Returns whether the check holds.
-bool tell_verdict(const display::SplitVerdict& verdict, const display::ExrImage& image, const std::string& title = {}) {
-    print_line(image.path + ": " + verdict_text(verdict, title));
-    if (verdict.answer == display::SplitAnswer::does_not_hold) print_line("  " + write_residual_map(verdict, image));
-    return verdict.holds;
+bool print_split_result(const display::SplitResult& result, const display::ExrImage& image,
+                        const std::string& title = {}) {
+    print_line(image.path + ": " + result_text(result, title));
+    if (result.answer == display::SplitAnswer::does_not_hold) print_line("  " + write_residual_map(result, image));
+    return result.holds;
 }
 
 void note_incomplete(const display::ExrImage& image) {
@@ -67,11 +68,11 @@ Result<display::Allowance> parse_tolerance(const std::string& text) {
 /// Checks the splits of an image in memory, or of a file that is read in bands.
 template <class Source>
 int verify_sum_of(const Source& source, const display::ExrImage& image, const VerifyOptions& options) {
-    auto verdict =
+    auto result =
         display::check_split(source, options.of, options.sums, options.tolerance.value_or(display::Allowance{}));
-    if (!verdict) return report_error(verdict.error());
+    if (!result) return report_error(result.error());
     note_incomplete(image);
-    return tell_verdict(*verdict, image) ? exit_holds : exit_does_not_hold;
+    return print_split_result(*result, image) ? exit_holds : exit_does_not_hold;
 }
 
 int verify_sum(const VerifyOptions& options) {
@@ -89,13 +90,13 @@ Result<bool> verify_found(const display::ExrImage& image, const Preset& preset, 
     bool all_hold = true;
     note_incomplete(image);
     for (const FoundSplit& split : splits) {
-        auto verdict = display::check_split(image, split.of, {split.sum}, options.tolerance.value_or(split.allowance));
-        if (!verdict) return std::move(verdict).error();
-        verdict->partition = split.title;
-        for (char& c : verdict->partition)
+        auto result = display::check_split(image, split.of, {split.sum}, options.tolerance.value_or(split.allowance));
+        if (!result) return std::move(result).error();
+        result->partition = split.title;
+        for (char& c : result->partition)
             if (c == ' ' || c == '/') c = '-';
-        const bool holds = tell_verdict(*verdict, image, std::string(preset.renderer) + " " + split.title);
-        print_line("  " + verdict->of + " = " + split.formula);
+        const bool holds = print_split_result(*result, image, std::string(preset.renderer) + " " + split.title);
+        print_line("  " + result->of + " = " + split.formula);
         if (!split.note.empty()) print_line("  " + split.note);
         all_hold = all_hold && holds;
         if (holds) continue;
@@ -171,7 +172,7 @@ int verify_declared(const VerifyOptions& options) {
         if (display::is_atlas(file)) {
             auto atlas = display::AtlasFile::open(file);
             if (!atlas) return report_error(atlas.error());
-            const int code = judge_atlas(**atlas);
+            const int code = report_atlas_check(**atlas);
             if (code == exit_bad_input) return code;
             all_hold = code == exit_holds && all_hold;
             continue;
@@ -183,10 +184,10 @@ int verify_declared(const VerifyOptions& options) {
             if (without.empty()) without = without_partition(image);
             continue;
         }
-        auto verdicts = display::check_declared_splits(*bands, options.tolerance.value_or(display::Allowance{}));
-        if (!verdicts) return report_error(verdicts.error());
+        auto results = display::check_declared_splits(*bands, options.tolerance.value_or(display::Allowance{}));
+        if (!results) return report_error(results.error());
         note_incomplete(image);
-        for (const display::SplitVerdict& verdict : *verdicts) all_hold = tell_verdict(verdict, image) && all_hold;
+        for (const display::SplitResult& result : *results) all_hold = print_split_result(result, image) && all_hold;
     }
     if (!without.empty()) return report_error(without);
     return all_hold ? exit_holds : exit_does_not_hold;

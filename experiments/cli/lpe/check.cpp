@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "experiments/cli/lpe/verdicts.h"
-#include "experiments/job/channels/label_doubts.h"
+#include "experiments/job/channels/label_warnings.h"
 #include "experiments/program/console.h"
 #include "experiments/program/exit_codes.h"
 
@@ -29,15 +29,15 @@ Result<std::optional<lpe::ChannelSource>> find_whole(const CheckOptions& options
 
 /// Warns of labels that no object or light of the scene has; without a scene, of labels that look misspelt.
 Status warn_about_labels(const CheckOptions& options, const std::vector<lpe::ChannelSource>& sources,
-                         const std::optional<SceneWords>& scene) {
+                         const std::optional<ScenePathStrings>& scene) {
     warn_about_scene(sources, scene);
     if (scene) return success();
     KnownLabels known;
     known.groups = options.words.light_groups;
     known.labels = options.words.object_labels;
-    auto doubts = label_doubts(sources, known);
-    if (!doubts) return doubts.error();
-    for (const std::string& each : *doubts) print_warning(each);
+    auto warnings = label_warnings(sources, known);
+    if (!warnings) return warnings.error();
+    for (const std::string& each : *warnings) print_warning(each);
     return success();
 }
 
@@ -88,11 +88,11 @@ int run_check(CheckOptions options) {
     if (!scene) return report_error(scene.error());
     std::vector<lpe::ChannelSource> all = sources;
     if (*of) all.push_back(**of);
-    auto words = words_of(options.paths, *scene, *set, all);
+    auto words = path_strings_of(options.paths, *scene, *set, all);
     if (!words) return report_error(words.error());
     options.words = std::move(*words);
     if (Status warned = warn_about_labels(options, sources, *scene); !warned) return report_error(warned.error());
-    auto pictures = judge_files(options, *set, sources, *of);
+    auto pictures = check_files(options, *set, sources, *of);
     if (!pictures) return report_error(pictures.error());
     return finish(options, *set, *pictures);
 }

@@ -10,7 +10,7 @@
 
 #include "experiments/cli/commands.h"
 #include "experiments/job/channels/channel_set.h"
-#include "experiments/job/channels/scene_words.h"
+#include "experiments/job/channels/scene_path_strings.h"
 #include "lpe/algebra/proofs/check.h"
 #include "lpe/program.h"
 #include "lpe/result.h"
@@ -40,13 +40,13 @@ struct SceneOption {
     std::string path;
     std::vector<std::string> plugins;  ///< plugins that the scene needs
     /// Returns the paths that the scene can produce; nothing without a scene.
-    [[nodiscard]] Result<std::optional<SceneWords>> load() const;
+    [[nodiscard]] Result<std::optional<ScenePathStrings>> load() const;
 };
 CLI::Option* add_scene_option(CLI::App& command, SceneOption& scene);
 /// Returns the words of the scene; without a scene, all words.
-lpe::Words words_of(const std::optional<SceneWords>& scene);
+lpe::PathStrings path_strings_of(const std::optional<ScenePathStrings>& scene);
 /// Warns of channels that match no path of the scene, and of labels that nothing in the scene has.
-void warn_about_scene(std::span<const lpe::ChannelSource> channels, const std::optional<SceneWords>& scene);
+void warn_about_scene(std::span<const lpe::ChannelSource> channels, const std::optional<ScenePathStrings>& scene);
 
 /// Channels from the command line: NAME=EXPR arguments and channel files. An argument that names an existing channel
 /// file (.rib, .usda, .usd, .ini, .toml) is read as a file.
@@ -104,8 +104,8 @@ CLI::Option* add_reader_option(CLI::App& command, ReaderOption& reader);
 lpe::ChannelSource bare_expression(std::string_view text, lpe::Dialect dialect, std::string name, std::string what);
 
 /// Prints the result and the events of the counterexample, and returns the exit code.
-int print_verdict(bool holds, const std::string& summary, const lpe::Witness& witness,
-                  const std::vector<std::string>& warnings);
+int print_result(bool holds, const std::string& summary, const lpe::Witness& witness,
+                 const std::vector<std::string>& warnings);
 
 /// Returns an error about a command-line text, shown with that text.
 Error about_argument(Error error, const std::string& what, const std::string& text);

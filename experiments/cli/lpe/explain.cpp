@@ -4,7 +4,7 @@
 
 #include "experiments/cli/lpe/layers.h"
 #include "experiments/cli/unknown_words.h"
-#include "experiments/job/channels/likely_slips.h"
+#include "experiments/job/channels/likely_mistakes.h"
 #include "experiments/program/console.h"
 #include "experiments/program/exit_codes.h"
 #include "lpe/algebra/explanation/explain.h"
@@ -56,13 +56,13 @@ void print_section(const std::string& title, const std::vector<std::string>& lin
 
 /// Returns the sentence for an expression that matches no path. warn_about_scene has already printed the reasons for a
 /// scene.
-std::string none_matches(const lpe::ChannelSource& source, const lpe::Words& words, bool of_scene) {
+std::string none_matches(const lpe::ChannelSource& source, const lpe::PathStrings& words, bool of_scene) {
     if (of_scene) return "The expression matches no path of this scene.";
-    const std::string slip = likely_slip(source, words);
-    return "The expression matches no path that a scene can produce" + (slip.empty() ? "." : ": " + slip);
+    const std::string mistake = likely_mistake(source, words);
+    return "The expression matches no path that a scene can produce" + (mistake.empty() ? "." : ": " + mistake);
 }
 
-int print_explanation(const lpe::ChannelSource& source, const lpe::Words& words, bool of_scene) {
+int print_explanation(const lpe::ChannelSource& source, const lpe::PathStrings& words, bool of_scene) {
     auto explanation = lpe::explain(source, words);
     if (!explanation) return report_error(about_argument(explanation.error(), "expression", source.expression));
     print_line(explanation->expression + "    (" + (source.dialect == lpe::Dialect::osl ? "osl" : "renderman") + ")");
@@ -89,7 +89,7 @@ int print_explanation(const lpe::ChannelSource& source, const lpe::Words& words,
 }
 
 /// Prints a few lines for every channel of the files.
-int print_list(const std::vector<lpe::ChannelSource>& sources, const lpe::Words& words) {
+int print_list(const std::vector<lpe::ChannelSource>& sources, const lpe::PathStrings& words) {
     int code = exit_holds;
     for (const lpe::ChannelSource& source : sources) {
         auto explanation = lpe::explain(source, words);
@@ -146,7 +146,7 @@ int run_explain(ExplainOptions options) {
     if (!explained) return report_error(explained.error());
     auto scene = options.scene.load();
     if (!scene) return report_error(scene.error());
-    auto words = words_of(options.paths, *scene, explained->set, explained->sources);
+    auto words = path_strings_of(options.paths, *scene, explained->set, explained->sources);
     if (!words) return report_error(words.error());
     warn_about_scene(explained->sources, *scene);
     if (explained->whole_files) return print_list(explained->sources, *words);

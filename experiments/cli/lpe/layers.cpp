@@ -26,7 +26,7 @@ bool is_of_file(const lpe::ChannelSource& source) {
 
 /// Returns whether the channel equals the beauty, or the whole `of` if there is one.
 Result<bool> is_whole(const lpe::ChannelSource& source, const std::optional<lpe::ChannelSource>& of,
-                      const lpe::Words& words) {
+                      const lpe::PathStrings& words) {
     auto beauty = lpe::is_beauty(source, words);
     if (!beauty || *beauty || !of) return beauty;
     auto difference = lpe::find_difference(source, *of, words);
@@ -55,9 +55,9 @@ void add_path_options(CLI::App& command, PathOptions& options) {
     command.add_flag("--all-labelled", options.all_labelled, "every light has a group");
 }
 
-Result<lpe::Words> words_of(const PathOptions& options, const std::optional<SceneWords>& scene, const ChannelSet& set,
-                            std::span<const lpe::ChannelSource> channels) {
-    lpe::Words words = words_of(scene);
+Result<lpe::PathStrings> path_strings_of(const PathOptions& options, const std::optional<ScenePathStrings>& scene,
+                                         const ChannelSet& set, std::span<const lpe::ChannelSource> channels) {
+    lpe::PathStrings words = path_strings_of(scene);
     if (scene && (!options.groups.empty() || !options.labels.empty()))
         return error_at({}, "--groups and --labels cannot be combined with --scene, which has its own");
     if (!options.groups.empty()) words.light_groups = options.groups;
@@ -112,7 +112,7 @@ std::vector<lpe::ChannelSource> read_all(const ChannelSet& set, std::vector<Erro
 }
 
 Result<Layers> choose_layers(const ChannelSet& set, std::vector<lpe::ChannelSource> sources,
-                             std::optional<lpe::ChannelSource> of, const lpe::Words& words) {
+                             std::optional<lpe::ChannelSource> of, const lpe::PathStrings& words) {
     Layers layers;
     std::vector<lpe::ChannelSource> wholes;
     for (std::size_t k = 0; k < sources.size(); ++k) {

@@ -21,8 +21,8 @@ void add_path_options(CLI::App& command, PathOptions& options);
 
 /// Returns the paths of the scene, or all paths, restricted by the options. By default, RIB and rendermn.ini files
 /// exclude paths with volumes unless an expression names V.
-Result<lpe::Words> words_of(const PathOptions& options, const std::optional<SceneWords>& scene, const ChannelSet& set,
-                            std::span<const lpe::ChannelSource> channels);
+Result<lpe::PathStrings> path_strings_of(const PathOptions& options, const std::optional<ScenePathStrings>& scene,
+                                         const ChannelSet& set, std::span<const lpe::ChannelSource> channels);
 
 /// Which channels are written for RenderMan: none, or all, with macros or with macros expanded.
 enum class Written : std::uint8_t { nothing, with_macros, without_macros };
@@ -44,6 +44,6 @@ struct Layers {
 /// Chooses the layers. Channels of files are not layers if they have prefixes or statistics other than the mean, or
 /// equal the whole. `of` is the value of --of, or none. Errors: no layer is left; errors of the algebra.
 Result<Layers> choose_layers(const ChannelSet& set, std::vector<lpe::ChannelSource> sources,
-                             std::optional<lpe::ChannelSource> of, const lpe::Words& words);
+                             std::optional<lpe::ChannelSource> of, const lpe::PathStrings& words);
 
 }  // namespace raylex::experiments

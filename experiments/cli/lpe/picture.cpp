@@ -243,7 +243,7 @@ std::string pictures_as_json(const std::vector<CheckPicture>& pictures) {
                               {"file", source.origin_line > 0 ? source.origin : std::string()},
                               {"line", source.origin_line}});
         for (const auto& [name, why] : picture.layers.no_layers) others.push_back({{"name", name}, {"why", why}});
-        Json one{{"verdict", picture.verdict}, {"holds", picture.holds}, {"summary", picture.summary}};
+        Json one{{"verdict", picture.result}, {"holds", picture.holds}, {"summary", picture.summary}};
         if (!picture.partition.empty()) one["partition"] = picture.partition;
         one["files"] = picture.files;
         if (!picture.holds) one["path"] = path_json(picture.witness);

@@ -16,10 +16,10 @@ struct CheckPicture {
     std::size_t channels = 0;        ///< number of channels read
     std::vector<std::string> files;  ///< files of the channels
     Layers layers;
-    lpe::Words words;
+    lpe::PathStrings words;
     bool alone = false;  ///< one of several files; the result of all together decides
     bool holds = false;
-    std::string verdict;  ///< "partition", "missed", "counted twice", "outside", "disjoint", "overlaps"
+    std::string result;  ///< "partition", "missed", "counted twice", "outside", "disjoint", "overlaps"
     std::string summary;
     lpe::Witness witness;
     std::vector<std::string> warnings;

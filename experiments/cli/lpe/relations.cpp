@@ -13,30 +13,30 @@ namespace {
 struct RelationOptions {
     DialectOption dialect;
     SceneOption scene;
-    lpe::Words words;  // the paths of the scene
+    lpe::PathStrings words;  // the paths of the scene
     std::string first, second;
 };
 
-int verdict(const Result<lpe::Proof>& proof) {
+int result(const Result<lpe::Proof>& proof) {
     if (!proof) return report_error(proof.error());
-    return print_verdict(proof->holds, proof->summary, proof->witness, proof->warnings);
+    return print_result(proof->holds, proof->summary, proof->witness, proof->warnings);
 }
 
 int run_equal(const RelationOptions& options) {
     const std::vector<lpe::ChannelSource> both{
         bare_expression(options.first, options.dialect.value(), "", "first expression"),
         bare_expression(options.second, options.dialect.value(), "", "second expression")};
-    return verdict(lpe::check_equal(both, options.words));
+    return result(lpe::check_equal(both, options.words));
 }
 
 int run_contains(const RelationOptions& options) {
-    return verdict(lpe::check_contains(
-        bare_expression(options.first, options.dialect.value(), "", "first expression"),
-        bare_expression(options.second, options.dialect.value(), "", "second expression"), options.words));
+    return result(lpe::check_contains(bare_expression(options.first, options.dialect.value(), "", "first expression"),
+                                      bare_expression(options.second, options.dialect.value(), "", "second expression"),
+                                      options.words));
 }
 
 int run_empty(const RelationOptions& options) {
-    return verdict(
+    return result(
         lpe::check_empty(bare_expression(options.first, options.dialect.value(), "", "expression"), options.words));
 }
 
@@ -55,15 +55,15 @@ void add_relation(CLI::App& lpe, CommandContext& context, const std::string& nam
         holds + ", 1 not so; the shortest counterexample is printed, 2 bad usage or input.");
     command->callback([options, run, &context] {
         auto scene = options->scene.load();
-        if (scene) options->words = words_of(*scene);
+        if (scene) options->words = path_strings_of(*scene);
         context.exit_code = scene ? run(*options) : report_error(scene.error());
     });
 }
 
 }  // namespace
 
-int print_verdict(bool holds, const std::string& summary, const lpe::Witness& witness,
-                  const std::vector<std::string>& warnings) {
+int print_result(bool holds, const std::string& summary, const lpe::Witness& witness,
+                 const std::vector<std::string>& warnings) {
     for (const std::string& warning : warnings) print_warning(warning);
     print_line(summary);
     if (holds) return exit_holds;

@@ -6,10 +6,10 @@
 
 namespace raylex::experiments {
 
-Result<std::optional<SceneWords>> SceneOption::load() const {
-    if (path.empty()) return std::optional<SceneWords>();
+Result<std::optional<ScenePathStrings>> SceneOption::load() const {
+    if (path.empty()) return std::optional<ScenePathStrings>();
     if (Status loaded = load_plugins(plugins); !loaded) return loaded.error();
-    auto words = read_scene_words(path);
+    auto words = read_scene_path_strings(path);
     if (!words) return words.error();
     return std::optional(std::move(*words));
 }
@@ -23,11 +23,11 @@ CLI::Option* add_scene_option(CLI::App& command, SceneOption& scene) {
         ->option_text("SCENE.pbrt|JOB.toml");
 }
 
-lpe::Words words_of(const std::optional<SceneWords>& scene) {
-    return scene ? scene->words : lpe::Words{};
+lpe::PathStrings path_strings_of(const std::optional<ScenePathStrings>& scene) {
+    return scene ? scene->words : lpe::PathStrings{};
 }
 
-void warn_about_scene(std::span<const lpe::ChannelSource> channels, const std::optional<SceneWords>& scene) {
+void warn_about_scene(std::span<const lpe::ChannelSource> channels, const std::optional<ScenePathStrings>& scene) {
     if (!scene) return;
     for (const lpe::ChannelSource& channel : channels) {
         if (!channel.rest_of.empty()) continue;

@@ -75,7 +75,7 @@ int run_split(SplitOptions options) {
     request.dialect = options.dialect.value();
     auto scene = options.scene.load();
     if (!scene) return report_error(scene.error());
-    request.words = words_of(*scene);
+    request.words = path_strings_of(*scene);
     if (*scene) {
         const auto& alphabet = (*scene)->alphabet;
         if (Status there = require_known(options, "--groups", "light group", request.groups, alphabet.light_groups);

@@ -12,15 +12,15 @@
 namespace raylex::experiments {
 namespace {
 
-const char* word_for(lpe::Verdict verdict) {
+const char* word_for(lpe::SplitProof verdict) {
     switch (verdict) {
-        case lpe::Verdict::partition:
+        case lpe::SplitProof::partition:
             return "partition";
-        case lpe::Verdict::missed:
+        case lpe::SplitProof::missed:
             return "missed";
-        case lpe::Verdict::counted_twice:
+        case lpe::SplitProof::counted_twice:
             return "counted twice";
-        case lpe::Verdict::outside:
+        case lpe::SplitProof::outside:
             return "outside";
     }
     return "";
@@ -58,7 +58,7 @@ void find_rest(const CheckOptions& options, const ChannelSet& set, CheckPicture&
 
 /// Finds the result for channels that are too large for a proof of all together: one overlapping pair suffices to
 /// refute the partition.
-Status judge_pairs(const CheckOptions& options, CheckPicture& picture, const Error& too_large) {
+Status check_pairs(const CheckOptions& options, CheckPicture& picture, const Error& too_large) {
     const Layers& layers = picture.layers;
     auto overview = lpe::look_over(layers.sources, layers.whole, options.words);
     if (!overview || overview->overlaps.empty()) return too_large;
@@ -67,18 +67,18 @@ Status judge_pairs(const CheckOptions& options, CheckPicture& picture, const Err
     const auto shortest = std::min_element(overlaps.begin(), overlaps.end(), [](const auto& a, const auto& b) {
         return a.witness.events.size() < b.witness.events.size();
     });
-    picture.verdict = word_for(lpe::Verdict::counted_twice);
+    picture.result = word_for(lpe::SplitProof::counted_twice);
     picture.witness = shortest->witness;
     picture.summary = "'" + layers.sources[shortest->first].name + "' and '" + layers.sources[shortest->second].name +
                       "' both count " + picture.witness.sentence + " (" + picture.witness.text + ")";
     return success();
 }
 
-Status judge_partition(const CheckOptions& options, const ChannelSet& set, CheckPicture& picture) {
+Status run_partition_check(const CheckOptions& options, const ChannelSet& set, CheckPicture& picture) {
     Layers& layers = picture.layers;
     auto report = lpe::check_partition(layers.sources, layers.whole, options.words);
-    if (!report) return judge_pairs(options, picture, report.error());
-    const bool fails = report->verdict != lpe::Verdict::partition;
+    if (!report) return check_pairs(options, picture, report.error());
+    const bool fails = report->result != lpe::SplitProof::partition;
     if (fails) {
         auto overview = lpe::look_over(layers.sources, layers.whole, options.words);
         if (!overview) return overview.error();
@@ -94,8 +94,8 @@ Status judge_partition(const CheckOptions& options, const ChannelSet& set, Check
             if (!report) return report.error();
         }
     }
-    picture.holds = report->verdict == lpe::Verdict::partition;
-    picture.verdict = word_for(report->verdict);
+    picture.holds = report->result == lpe::SplitProof::partition;
+    picture.result = word_for(report->result);
     picture.summary = std::move(report->summary);
     picture.witness = std::move(report->witness);
     picture.warnings = std::move(report->warnings);
@@ -103,7 +103,7 @@ Status judge_partition(const CheckOptions& options, const ChannelSet& set, Check
 }
 
 /// Checks the layers that belong to no partition by themselves, because their overlaps and gaps are the ones to fix.
-Status judge_left(const CheckOptions& options, const ChannelSet& set, CheckPicture& picture) {
+Status check_left(const CheckOptions& options, const ChannelSet& set, CheckPicture& picture) {
     const std::vector<std::size_t>& left = picture.sorting.left;
     CheckPicture alone;
     alone.layers.whole = picture.layers.whole;
@@ -115,7 +115,7 @@ Status judge_left(const CheckOptions& options, const ChannelSet& set, CheckPictu
     }
     CheckOptions plain = options;
     plain.rest.clear();
-    if (Status judged = judge_partition(plain, set, alone); !judged) return judged;
+    if (Status checked = run_partition_check(plain, set, alone); !checked) return checked;
     for (lpe::SharedPath& each : alone.overview.overlaps) {
         each.first = left[each.first];
         each.second = left[each.second];
@@ -125,7 +125,7 @@ Status judge_left(const CheckOptions& options, const ChannelSet& set, CheckPictu
     picture.overview = std::move(alone.overview);
     picture.rest = std::move(alone.rest);
     picture.rest_note = std::move(alone.rest_note);
-    picture.verdict = std::move(alone.verdict);
+    picture.result = std::move(alone.result);
     picture.summary = (left.size() <= 4 ? names : std::to_string(left.size()) + " layers") +
                       (left.size() == 1 ? " is" : " are") + " in no partition; these alone: " + alone.summary;
     picture.witness = std::move(alone.witness);
@@ -142,16 +142,16 @@ Status sort_layers(const CheckOptions& options, const ChannelSet& set, CheckPict
     picture.sorting = std::move(*sorting);
     const lpe::Sorting& sorted = picture.sorting;
     if (sorted.partitions.empty()) return success();
-    if (!sorted.left.empty()) return judge_left(options, set, picture);
+    if (!sorted.left.empty()) return check_left(options, set, picture);
     picture.holds = true;
-    picture.verdict = "partitions";
+    picture.result = "partitions";
     picture.summary = "the layers are " + std::to_string(sorted.partitions.size()) +
                       " partitions of the beauty, each of which counts every path exactly once";
     picture.overview = {};
     return success();
 }
 
-Status judge_disjoint(const CheckOptions& options, CheckPicture& picture, const std::string& rest) {
+Status run_disjoint_check(const CheckOptions& options, CheckPicture& picture, const std::string& rest) {
     auto report = lpe::check_disjoint(picture.layers.sources, options.words);
     if (!report) return report.error();
     if (!report->disjoint) {
@@ -161,14 +161,14 @@ Status judge_disjoint(const CheckOptions& options, CheckPicture& picture, const 
         picture.overview.holes.clear();
     }
     picture.holds = report->disjoint;
-    picture.verdict = report->disjoint ? "disjoint" : "overlaps";
+    picture.result = report->disjoint ? "disjoint" : "overlaps";
     picture.summary = report->summary + (report->disjoint && !rest.empty() ? "; '" + rest + "' takes the rest" : "");
     picture.witness = std::move(report->witness);
     picture.warnings = std::move(report->warnings);
     return success();
 }
 
-Status judge_covers(const CheckOptions& options, CheckPicture& picture) {
+Status run_covers_check(const CheckOptions& options, CheckPicture& picture) {
     auto proof = lpe::check_covers(picture.layers.sources, picture.layers.whole, options.words);
     if (!proof) return proof.error();
     if (!proof->holds) {
@@ -177,7 +177,7 @@ Status judge_covers(const CheckOptions& options, CheckPicture& picture) {
         picture.overview.holes = std::move(overview->holes);
     }
     picture.holds = proof->holds;
-    picture.verdict = proof->holds ? "covers" : "missed";
+    picture.result = proof->holds ? "covers" : "missed";
     picture.summary = std::move(proof->summary);
     picture.witness = std::move(proof->witness);
     picture.warnings = std::move(proof->warnings);
@@ -204,7 +204,7 @@ Result<std::vector<lpe::ChannelSource>> members(const std::vector<lpe::ChannelSo
 }
 
 /// Checks each partition that the TOML files declare.
-Result<std::vector<CheckPicture>> judge_declared(const CheckOptions& options, const ChannelSet& set,
+Result<std::vector<CheckPicture>> check_declared(const CheckOptions& options, const ChannelSet& set,
                                                  const std::vector<lpe::ChannelSource>& sources) {
     std::vector<CheckPicture> pictures;
     for (const PartitionRequest& partition : set.partitions) {
@@ -219,19 +219,20 @@ Result<std::vector<CheckPicture>> judge_declared(const CheckOptions& options, co
             if (!found) return found.error();
             picture.layers.whole = found->front();
         }
-        const Status judged = partition.rest.empty() ? judge_partition(options, set, picture)
-                                                     : judge_disjoint(options, picture, partition.rest);
-        if (!judged) return judged.error();
+        const Status checked = partition.rest.empty() ? run_partition_check(options, set, picture)
+                                                      : run_disjoint_check(options, picture, partition.rest);
+        if (!checked) return checked.error();
     }
     return pictures;
 }
 
 /// Checks the partitions that TOML files declare, or else all layers together.
-Result<std::vector<CheckPicture>> judge(const CheckOptions& options, const ChannelSet& set,
-                                        std::vector<lpe::ChannelSource> sources, std::optional<lpe::ChannelSource> of) {
+Result<std::vector<CheckPicture>> run_checks(const CheckOptions& options, const ChannelSet& set,
+                                             std::vector<lpe::ChannelSource> sources,
+                                             std::optional<lpe::ChannelSource> of) {
     const bool declared =
         !set.partitions.empty() && options.of.empty() && options.rest.empty() && options.what == "partition";
-    if (declared) return judge_declared(options, set, sources);
+    if (declared) return check_declared(options, set, sources);
     std::vector<CheckPicture> pictures(1);
     CheckPicture& picture = pictures.front();
     picture.channels = sources.size();
@@ -244,10 +245,10 @@ Result<std::vector<CheckPicture>> judge(const CheckOptions& options, const Chann
     } else {
         picture.layers.sources = std::move(sources);
     }
-    const Status judged = options.what == "covers"     ? judge_covers(options, picture)
-                          : options.what == "disjoint" ? judge_disjoint(options, picture, "")
-                                                       : judge_partition(options, set, picture);
-    if (!judged) return judged.error();
+    const Status checked = options.what == "covers"     ? run_covers_check(options, picture)
+                           : options.what == "disjoint" ? run_disjoint_check(options, picture, "")
+                                                        : run_partition_check(options, set, picture);
+    if (!checked) return checked.error();
     if (options.what == "partition")
         if (Status sorted = sort_layers(options, set, picture); !sorted) return sorted.error();
     return pictures;
@@ -278,7 +279,7 @@ Written written_for_renderman(const CheckOptions& options) {
     return written("rib") || written("usda") || written("usd") ? Written::without_macros : Written::nothing;
 }
 
-Result<std::vector<CheckPicture>> judge_files(const CheckOptions& options, const ChannelSet& set,
+Result<std::vector<CheckPicture>> check_files(const CheckOptions& options, const ChannelSet& set,
                                               const std::vector<lpe::ChannelSource>& sources,
                                               const std::optional<lpe::ChannelSource>& of) {
     std::vector<CheckPicture> pictures;
@@ -295,10 +296,10 @@ Result<std::vector<CheckPicture>> judge_files(const CheckOptions& options, const
         for (const lpe::FileChannel& each : part.file.channels)
             for (const lpe::ChannelSource& source : sources)
                 if (each.source.name == source.name) own.push_back(source);
-        auto judged = judge(alone, part, std::move(own), of);
-        if (!judged) return judged;
+        auto checked = run_checks(alone, part, std::move(own), of);
+        if (!checked) return checked;
         ++files;
-        for (CheckPicture& picture : *judged) {
+        for (CheckPicture& picture : *checked) {
             all.holds = all.holds && picture.holds;
             all.layers.sources.insert(all.layers.sources.end(), picture.layers.sources.begin(),
                                       picture.layers.sources.end());
@@ -306,18 +307,18 @@ Result<std::vector<CheckPicture>> judge_files(const CheckOptions& options, const
             pictures.push_back(std::move(picture));
         }
     }
-    if (files < 2) return judge(options, set, sources, of);
+    if (files < 2) return run_checks(options, set, sources, of);
     std::vector<CheckPicture> together;
     if (all.holds) {  // a layer shared by several splits, such as emission, is not an overlap
-        all.verdict = "partitions";
+        all.result = "partitions";
         all.files = options.channels.files;
         all.channels = sources.size();
         all.summary = "each of the " + std::to_string(files) + " files splits the beauty by itself";
         together.push_back(std::move(all));
     } else {
-        auto judged = judge(options, set, sources, of);
-        if (!judged) return judged;
-        together = std::move(*judged);
+        auto checked = run_checks(options, set, sources, of);
+        if (!checked) return checked;
+        together = std::move(*checked);
         std::erase_if(together, [](const CheckPicture& each) { return !each.partition.empty(); });
     }
     std::move(together.begin(), together.end(), std::back_inserter(pictures));

@@ -16,7 +16,7 @@ struct CheckOptions {
     ReaderOption reader;
     SceneOption scene;
     PathOptions paths;
-    lpe::Words words;  // the paths that scene and options allow
+    lpe::PathStrings words;  // the paths that scene and options allow
     std::string of, what = "partition", rest;
     bool json = false;
 };
@@ -25,7 +25,7 @@ struct CheckOptions {
 Written written_for_renderman(const CheckOptions& options);
 
 /// Returns one result for all channels; if several files have channels, first one result per file.
-Result<std::vector<CheckPicture>> judge_files(const CheckOptions& options, const ChannelSet& set,
+Result<std::vector<CheckPicture>> check_files(const CheckOptions& options, const ChannelSet& set,
                                               const std::vector<lpe::ChannelSource>& sources,
                                               const std::optional<lpe::ChannelSource>& of);
 

@@ -10,7 +10,7 @@
 
 namespace raylex::experiments {
 
-Status AtlasOutput::prepare(Job& job, const SceneWords& scene) {
+Status AtlasOutput::prepare(Job& job, const ScenePathStrings& scene) {
     const AtlasRequest& request = job.outputs.atlas;
     if (request.file.empty()) return success();
     request_ = &request;
@@ -29,10 +29,10 @@ Status AtlasOutput::prepare(Job& job, const SceneWords& scene) {
                         "without picked lobes");
     job.settings.labels.words = request.rules;
     // By default words are stored whole. Few paths continue beyond 64 scattering events.
-    constexpr int longest_unless_asked = 64;
+    constexpr int default_longest = 64;
     if (request.rules.length == 0)
         job.settings.labels.words->length =
-            std::clamp(static_cast<int>(scene.words.max_depth.value_or(longest_unless_asked)), 1, longest_unless_asked);
+            std::clamp(static_cast<int>(scene.words.max_depth.value_or(default_longest)), 1, default_longest);
     scene_record_ = scene_record(scene);
     return success();
 }
@@ -72,14 +72,14 @@ Status AtlasOutput::write(const transport::RenderOutput& output, const display::
     return written ? written : rescued(written.error(), "the atlas", request_->file, write_to);
 }
 
-Result<std::optional<display::AtlasVerdict>> AtlasOutput::judge() const {
-    if (!buffer_) return std::optional<display::AtlasVerdict>();
+Result<std::optional<display::AtlasCheck>> AtlasOutput::run_checks() const {
+    if (!buffer_) return std::optional<display::AtlasCheck>();
     auto file = display::AtlasFile::open(request_->file);
     if (!file) return file.error();
     (*file)->read_parts(false);
-    auto verdict = display::check_atlas(**file, display::light_magnitude_of((*file)->description().attributes));
-    if (!verdict) return verdict.error();
-    return std::optional<display::AtlasVerdict>(*verdict);
+    auto result = display::check_atlas(**file, display::light_magnitude_of((*file)->description().attributes));
+    if (!result) return result.error();
+    return std::optional<display::AtlasCheck>(*result);
 }
 
 }  // namespace raylex::experiments

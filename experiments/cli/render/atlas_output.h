@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "display/output/atlas/atlas_file.h"
-#include "experiments/job/channels/scene_words.h"
+#include "experiments/job/channels/scene_path_strings.h"
 #include "experiments/job/job.h"
 #include "transport/render/render.h"
 
@@ -15,7 +15,7 @@ class AtlasOutput {
   public:
     /// Makes the render record words, if the job requests an atlas. Errors: other settings of the job that exclude an
     /// atlas.
-    Status prepare(Job& job, const SceneWords& scene);
+    Status prepare(Job& job, const ScenePathStrings& scene);
     /// Makes the buffer. Errors: a render plan that excludes an atlas.
     Status make(const Job& job, const transport::RenderPlan& plan);
     /// The buffer, or null without an atlas.
@@ -24,13 +24,13 @@ class AtlasOutput {
     /// new path.
     Status write(const transport::RenderOutput& output, const display::ImageDescription& description);
     /// Reads the written file and checks that its path strings sum to its beauty. Returns nothing without an atlas.
-    Result<std::optional<display::AtlasVerdict>> judge() const;
+    Result<std::optional<display::AtlasCheck>> run_checks() const;
 
   private:
     const AtlasRequest* request_ = nullptr;
     std::string scene_record_;
     display::SignedLight negative_ = display::SignedLight::none;
-    std::shared_ptr<const display::WordAlphabet> alphabet_;
+    std::shared_ptr<const display::PathAlphabet> alphabet_;
     std::unique_ptr<display::PixelFilter> raster_filter_;
     std::unique_ptr<display::PathAtlas> buffer_;
 };

@@ -7,7 +7,7 @@
 
 #include "display/output/atomic_file.h"
 #include "display/output/writer/exr_writer.h"
-#include "experiments/cli/judge.h"
+#include "experiments/cli/checks.h"
 #include "experiments/cli/render/rescue.h"
 #include "experiments/program/console.h"
 #include "experiments/report/png_driver.h"
@@ -134,12 +134,12 @@ Status RenderOutputs::make_deep(const transport::RenderPlan& plan) {
 
 namespace {
 
-constexpr const char* beside_buckets = " with a render in buckets (--memory, --bucket-rows): ";
+constexpr const char* with_buckets = " with a render in buckets (--memory, --bucket-rows): ";
 constexpr const char* without_it = "leave it out, or render without buckets";
 
 Error live_viewer_in_buckets() {
     return error_at({},
-                    std::string("a live viewer") + beside_buckets + "it can request any part of the image at any time",
+                    std::string("a live viewer") + with_buckets + "it can request any part of the image at any time",
                     without_it);
 }
 
@@ -150,7 +150,7 @@ Status RenderOutputs::check_buckets(const transport::RenderPlan& plan) {
     buckets_ = plan.buckets;
     bucket_rows_ = plan.bucket_rows;
     if (plan.buckets == 0) return success();
-    const std::string why = beside_buckets;
+    const std::string why = with_buckets;
     if (!job_->outputs.deep.file.empty())
         return error_at(job_->outputs.deep.location,
                         "a deep image" + why + "its samples are kept in memory for the whole image", without_it);
@@ -299,11 +299,11 @@ Status RenderOutputs::close(const transport::RenderOutput& output, const display
     return closed;
 }
 
-Result<std::optional<display::DeepVerdict>> RenderOutputs::judge_deep(const display::ExrImage& image) const {
-    if (!deep_ || !filters_.empty()) return std::optional<display::DeepVerdict>();
-    auto verdict = display::check_deep(job_->outputs.deep.file, image);
-    if (!verdict) return verdict.error();
-    return std::optional<display::DeepVerdict>(std::move(*verdict));
+Result<std::optional<display::DeepCheck>> RenderOutputs::report_deep_check(const display::ExrImage& image) const {
+    if (!deep_ || !filters_.empty()) return std::optional<display::DeepCheck>();
+    auto result = display::check_deep(job_->outputs.deep.file, image);
+    if (!result) return result.error();
+    return std::optional<display::DeepCheck>(std::move(*result));
 }
 
 std::vector<std::string> RenderOutputs::take_warnings() {
@@ -321,16 +321,16 @@ std::vector<std::string> RenderOutputs::files() const {
     return files;
 }
 
-std::string deep_line(const display::DeepVerdict& verdict) {
-    std::string line = "deep: " + std::to_string(verdict.layers.size()) +
-                       (verdict.layers.size() == 1 ? " layer" : " layers") +
-                       (verdict.holds ? " flattened equal the image" : " flattened DO NOT EQUAL the image") +
-                       " (largest error of alpha " + number_text(verdict.largest_alpha) + ", of colour " +
-                       number_text(verdict.largest_color) + "; " + std::to_string(verdict.samples) +
-                       " samples, at most " + std::to_string(verdict.most_samples) + " in a pixel)";
-    if (verdict.exceeding > 0) line += "; " + std::to_string(verdict.exceeding) + " pixels exceed the bound";
-    if (!verdict.sorted) line += "; samples are out of order";
-    if (verdict.clamped > 0) line += "; " + clamped_text(verdict.clamped, "the two are equal");
+std::string deep_line(const display::DeepCheck& result) {
+    std::string line = "deep: " + std::to_string(result.layers.size()) +
+                       (result.layers.size() == 1 ? " layer" : " layers") +
+                       (result.holds ? " flattened equal the image" : " flattened DO NOT EQUAL the image") +
+                       " (largest error of alpha " + number_text(result.largest_alpha) + ", of colour " +
+                       number_text(result.largest_color) + "; " + std::to_string(result.samples) +
+                       " samples, at most " + std::to_string(result.most_samples) + " in a pixel)";
+    if (result.exceeding > 0) line += "; " + std::to_string(result.exceeding) + " pixels exceed the bound";
+    if (!result.sorted) line += "; samples are out of order";
+    if (result.clamped > 0) line += "; " + clamped_text(result.clamped, "the two are equal");
     return line;
 }
 

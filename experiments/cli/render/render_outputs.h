@@ -49,7 +49,7 @@ class RenderOutputs {
 
     /// Flattens the deep file and compares it with the image just written. Returns nothing without a deep image, or if
     /// display filters, which do not apply to deep images, changed the image.
-    Result<std::optional<display::DeepVerdict>> judge_deep(const display::ExrImage& image) const;
+    Result<std::optional<display::DeepCheck>> report_deep_check(const display::ExrImage& image) const;
 
     [[nodiscard]] AtlasOutput& atlas() { return atlas_; }
 
@@ -85,6 +85,6 @@ class RenderOutputs {
 };
 
 /// Returns the result of the deep check in one line: "deep: 3 layers flatten to the image (...)".
-std::string deep_line(const display::DeepVerdict& verdict);
+std::string deep_line(const display::DeepCheck& result);
 
 }  // namespace raylex::experiments

@@ -13,7 +13,7 @@
 #include "display/output/splits/split_check.h"
 #include "display/output/writer/exr_writer.h"
 #include "experiments/atlas/merged_atlas.h"
-#include "experiments/cli/judge.h"
+#include "experiments/cli/checks.h"
 #include "experiments/cli/loading_line.h"
 #include "experiments/cli/render/progress.h"
 #include "experiments/cli/render/render_outputs.h"
@@ -54,13 +54,13 @@ class RenderRun {
         }
         for (std::optional<int> (RenderRun::*step)() :
              {&RenderRun::lock_checkpoint, &RenderRun::check_outputs, &RenderRun::load, &RenderRun::build,
-              &RenderRun::plan, &RenderRun::render, &RenderRun::write_image, &RenderRun::judge,
+              &RenderRun::plan, &RenderRun::render, &RenderRun::write_image, &RenderRun::run_checks,
               &RenderRun::write_statistics})
             if (const std::optional<int> code = (this->*step)()) return *code;
         print_summary({job_, *output_, image_, splits_, deep_, atlas_, beauties_, outputs_.files(), phases_});
         if (!output_->samples.complete) return interrupt_flag().load() ? exit_interrupted : exit_does_not_hold;
         if ((deep_ && !deep_->holds) || (atlas_ && !atlas_->holds)) return exit_does_not_hold;
-        return std::all_of(splits_.begin(), splits_.end(), [](const display::SplitVerdict& each) { return each.holds; })
+        return std::all_of(splits_.begin(), splits_.end(), [](const display::SplitResult& each) { return each.holds; })
                    ? exit_holds
                    : exit_does_not_hold;
     }
@@ -215,7 +215,7 @@ class RenderRun {
 
     Step plan() {
         const PhaseClock clock;
-        auto words = scene_words(job_, loaded_->scene, built_.get());
+        auto words = scene_path_strings(job_, loaded_->scene, built_.get());
         if (!words) return report_error(words.error());
         auto plan = plan_channels(job_, *words);
         if (!plan) return report_error(plan.error());
@@ -400,26 +400,26 @@ class RenderRun {
 
     /// Checks the file as read back from disk, not the buffers it was written from. After an interrupt the user waits,
     /// and reading takes as long as writing, so the results stored in the header are used instead.
-    Step judge() {
+    Step run_checks() {
         auto file = display::ExrBands::open(job_.output);
         if (!file) return report_error(file.error());
         image_ = file->image();
         if (const std::string repaired = repaired_text(image_.attributes); !repaired.empty()) warn(repaired);
         if (!output_->samples.complete && interrupt_flag().load()) return go_on;
         if (!image_.partitions.empty()) {
-            auto verdicts = display::check_declared_splits(*file);
-            if (!verdicts) return report_error(verdicts.error());
-            splits_ = std::move(*verdicts);
+            auto results = display::check_declared_splits(*file);
+            if (!results) return report_error(results.error());
+            splits_ = std::move(*results);
         }
         if (outputs_.deep() != nullptr) {
             auto pixels = display::read_exr(job_.output);
             if (!pixels) return report_error(pixels.error());
             image_ = *std::move(pixels);
         }
-        auto deep = outputs_.judge_deep(image_);
+        auto deep = outputs_.report_deep_check(image_);
         if (!deep) return report_error(deep.error());
         deep_ = std::move(*deep);
-        auto atlas = outputs_.atlas().judge();
+        auto atlas = outputs_.atlas().run_checks();
         if (!atlas) return report_error(atlas.error());
         atlas_ = *atlas;
         return go_on;
@@ -448,10 +448,10 @@ class RenderRun {
     std::optional<ShardRender> shard_;
     bool shard_is_done_ = false, quiet_ = false;
     std::optional<transport::RenderOutput> output_;
-    std::optional<display::DeepVerdict> deep_;
-    std::optional<display::AtlasVerdict> atlas_;
+    std::optional<display::DeepCheck> deep_;
+    std::optional<display::AtlasCheck> atlas_;
     display::ExrImage image_;  // has pixels only if a deep image is compared with them
-    std::vector<display::SplitVerdict> splits_;
+    std::vector<display::SplitResult> splits_;
     std::map<std::string, PhaseTime> phases_;
     std::map<std::string, std::string> attributes_;
     std::vector<std::string> warnings_;

@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "experiments/cli/judge.h"
+#include "experiments/cli/checks.h"
 #include "experiments/job/sampling_requests.h"
 #include "experiments/program/console.h"
 #include "experiments/program/interrupt.h"
@@ -36,26 +36,26 @@ void print_sampling(const RenderSummary& of) {
 }
 
 /// Prints the results of checks that were made during writing; the file was not read again.
-void print_written_verdicts(const RenderSummary& of) {
+void print_written_results(const RenderSummary& of) {
     if (!of.splits.empty()) return;
     for (const display::PartitionDeclaration& partition : of.image.partitions)
-        if (const auto verdict = of.image.attributes.find("verdict/" + partition.name);
-            verdict != of.image.attributes.end())
+        if (const auto result = of.image.attributes.find("verdict/" + partition.name);
+            result != of.image.attributes.end())
             print_line("partition '" + partition.name + "', checked while it was written: " +
-                       verdict->second.substr(0, verdict->second.find_last_not_of(' ') + 1));
+                       result->second.substr(0, result->second.find_last_not_of(' ') + 1));
 }
 
 }  // namespace
 
 void print_summary(const RenderSummary& of) {
     const transport::RenderStatistics& statistics = of.output.statistics;
-    print_verdicts_of_new(of.splits, of.image);
-    print_written_verdicts(of);
-    if (of.deep) print_verdict(deep_line(*of.deep), of.deep->holds);
+    print_results_of_new(of.splits, of.image);
+    print_written_results(of);
+    if (of.deep) print_result(deep_line(*of.deep), of.deep->holds);
     if (of.atlas) {
         const auto pixels =
             static_cast<std::uint64_t>(of.output.view.width) * static_cast<std::uint64_t>(of.output.view.height);
-        print_verdict(atlas_line(*of.atlas, pixels), of.atlas->holds);
+        print_result(atlas_line(*of.atlas, pixels), of.atlas->holds);
     }
     std::error_code failed;
     const auto bytes = fs::file_size(of.job.output, failed);

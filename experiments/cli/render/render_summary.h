@@ -22,9 +22,9 @@ struct RenderSummary {
     const Job& job;
     const transport::RenderOutput& output;
     const display::ExrImage& image;  ///< as read back from the file
-    std::span<const display::SplitVerdict> splits;
-    const std::optional<display::DeepVerdict>& deep;
-    const std::optional<display::AtlasVerdict>& atlas;
+    std::span<const display::SplitResult> splits;
+    const std::optional<display::DeepCheck>& deep;
+    const std::optional<display::AtlasCheck>& atlas;
     const std::vector<std::string>& beauties;  ///< layers that accept every path of the scene
     std::vector<std::string> files;            ///< all files except the image
     const std::map<std::string, PhaseTime>& phases;

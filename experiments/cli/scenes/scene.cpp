@@ -7,7 +7,7 @@
 #include "experiments/cli/option_group.h"
 #include "experiments/cli/plugin_options.h"
 #include "experiments/cli/scenes/scene_commands.h"
-#include "experiments/inspect/scene_doubts.h"
+#include "experiments/inspect/scene_warnings.h"
 #include "experiments/invariants/checking_process.h"
 #include "experiments/program/console.h"
 #include "experiments/program/exit_codes.h"
@@ -107,14 +107,14 @@ std::string table_cell(std::string text, std::size_t width) {
     return text;
 }
 
-void print_verdicts(const std::vector<Verdict>& verdicts) {
+void print_results(const std::vector<InvariantResult>& results) {
     print_line(table_cell("invariant", 18) + table_cell("measured", 12) + table_cell("bound", 12) +
                table_cell("verdict", 10));
-    for (const Verdict& verdict : verdicts) {
-        const bool skipped = verdict.outcome == InvariantState::skipped;
-        print_line(table_cell(verdict.invariant, 18) + table_cell(skipped ? "-" : number_text(verdict.measured), 12) +
-                   table_cell(skipped ? "-" : number_text(verdict.bound), 12) +
-                   table_cell(outcome_text(verdict.outcome), 10) + verdict.note);
+    for (const InvariantResult& result : results) {
+        const bool skipped = result.outcome == InvariantState::skipped;
+        print_line(table_cell(result.invariant, 18) + table_cell(skipped ? "-" : number_text(result.measured), 12) +
+                   table_cell(skipped ? "-" : number_text(result.bound), 12) +
+                   table_cell(outcome_text(result.outcome), 10) + result.note);
     }
 }
 
@@ -132,8 +132,8 @@ int check_scene(const SceneCheckOptions& options) {
         if (!built) return report_error(built.error());
         print_warnings((*built)->warnings);
         if (const Status can = transport::check_render(**built, {}); !can) return report_error(can.error());
-        const std::vector<Error> doubts = scene_doubts(*scene, **built);
-        for (const Error& doubt : doubts) print_line(doubt.to_string());
+        const std::vector<Error> warnings = scene_warnings(*scene, **built);
+        for (const Error& warning : warnings) print_line(warning.to_string());
         const std::size_t objects = scene->objects.size();
         std::size_t shapes = scene->shapes.size();
         for (const transport::SceneObject& object : scene->objects) shapes += object.shapes.size();
@@ -141,11 +141,11 @@ int check_scene(const SceneCheckOptions& options) {
                    counted(scene->instances.size(), "instance") + ", " +
                    counted(scene->lights.size() + scene->area_lights.size(), "light") + ", " +
                    counted(scene->warnings.size() + (*built)->warnings.size(), "warning") + ", " +
-                   counted(doubts.size(), "likely mistake") +
+                   counted(warnings.size(), "likely mistake") +
                    (scene->placeholders.empty()
                         ? ""
                         : ", " + counted(scene->placeholders.size(), "file") + " that cannot be found"));
-        return doubts.empty() && scene->placeholders.empty() ? exit_holds : exit_does_not_hold;
+        return warnings.empty() && scene->placeholders.empty() ? exit_holds : exit_does_not_hold;
     }
     const auto text = transport::read_file(options.input, NamedBy::file, "a pbrt-v4 scene");
     if (!text) return report_error(text.error());
@@ -153,7 +153,7 @@ int check_scene(const SceneCheckOptions& options) {
     if (!report) return report_error(report.error());
     if (interrupt_flag().load()) return exit_interrupted;
     if (!report->refused.empty()) return report_error("the scene has an error: " + report->refused);
-    print_verdicts(report->verdicts);
+    print_results(report->results);
     return report->holds() ? exit_holds : exit_does_not_hold;
 }
 

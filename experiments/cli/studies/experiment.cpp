@@ -23,9 +23,9 @@ namespace raylex::experiments {
 namespace {
 
 struct ExperimentOptions {
-    std::string config, output, shard, cell, report_directory, references;
+    std::string config, output, shard, run, report_directory, references;
     std::vector<std::string> overrides;
-    unsigned split_cells = 1, shards = 0, threads = 0;
+    unsigned split_runs = 1, shards = 0, threads = 0;
     bool retry = false, report = false, resume = false, only_references = false;
     CommandOutputOptions commands;
 };
@@ -45,7 +45,7 @@ int with_config(const ExperimentOptions& options, Work work) {
         if (!parsed) return report_error(parsed.error());
         shard = *parsed;
     }
-    shard.split_cells = options.split_cells;
+    shard.split_runs = options.split_runs;
     return work(std::move(*config), shard);
 }
 
@@ -62,7 +62,7 @@ int print_study_commands(const CLI::App& command, const ExperimentOptions& optio
         words.erase(words.begin(), words.begin() + 3);  // the program, "experiment" and "plan"
         const StudyCommandsRequest request{.directory = absolute_path(options.output),
                                            .shards = std::max(1U, options.shards),
-                                           .split_cells = options.split_cells,
+                                           .split_runs = options.split_runs,
                                            .threads = options.threads,
                                            .config = words,
                                            .calibrate = !options.commands.no_calibration};
@@ -92,7 +92,7 @@ int run_plan(const CLI::App& command, const ExperimentOptions& options, const st
 Status check_same_run(const std::string& directory, const RunMark& mark) {
     const auto there = begun_mark(directory);
     if (!there || (there->config_hash == mark.config_hash && there->shard.part == mark.shard.part &&
-                   there->shard.parts == mark.shard.parts && there->shard.split_cells == mark.shard.split_cells))
+                   there->shard.parts == mark.shard.parts && there->shard.split_runs == mark.shard.split_runs))
         return success();
     return error_at({directory, 0, 0},
                     "this directory contains a run of another config, --set, --shard or --split-cells",
@@ -103,7 +103,7 @@ Status check_same_run(const std::string& directory, const RunMark& mark) {
 std::optional<int> done_before(const ExperimentOptions& options, const RunMark& mark) {
     const auto there = finished_mark(options.output);
     if (!there || options.retry || there->config_hash != mark.config_hash || there->shard.part != mark.shard.part ||
-        there->shard.parts != mark.shard.parts || there->shard.split_cells != mark.shard.split_cells ||
+        there->shard.parts != mark.shard.parts || there->shard.split_runs != mark.shard.split_runs ||
         there->only_references != mark.only_references)
         return std::nullopt;
     print_line(options.output + ": already done, " + counted(there->done, "cell") +
@@ -111,7 +111,7 @@ std::optional<int> done_before(const ExperimentOptions& options, const RunMark& 
     return there->failed > 0 ? exit_bad_input : exit_holds;
 }
 
-int run_cells(const ExperimentOptions& options, bool resume) {
+int run_all(const ExperimentOptions& options, bool resume) {
     return with_config(options, [&](const ExperimentConfig& config, const Shard& shard) {
         const bool begin = options.resume || options.only_references;
         if (options.retry && !begin && !resume)
@@ -151,12 +151,12 @@ int run_cells(const ExperimentOptions& options, bool resume) {
 int run_replay(const ExperimentOptions& options) {
     return with_config(options, [&](ExperimentConfig config, const Shard&) {
         const InterruptsWait wait;
-        auto outcome = replay_cell(std::move(config), options.output, options.cell, &interrupt_flag());
+        auto outcome = replay_run(std::move(config), options.output, options.run, &interrupt_flag());
         if (!outcome) return report_error(outcome.error());
         if (interrupt_flag().load()) return exit_interrupted;
         std::string compared;
         for (const std::string& each : outcome->compared) compared += (compared.empty() ? "" : ", ") + each;
-        print_line(options.cell +
+        print_line(options.run +
                    (outcome->same ? ": the same bits, in " + compared : ": DIFFERS in " + outcome->difference));
         return outcome->same ? exit_holds : exit_does_not_hold;
     });
@@ -229,7 +229,7 @@ void add_shard(CLI::App& command, ExperimentOptions& options) {
                     "combines the parts")
         ->option_text("PART/PARTS");
     command
-        .add_option("--split-cells", options.split_cells,
+        .add_option("--split-cells", options.split_runs,
                     "renders the samples of each cell in N parts, which --shard distributes like cells; 'experiment "
                     "merge' combines them with the same bits. Cells that end by time or error, run external commands, "
                     "use Markov chains or have few samples stay whole")
@@ -284,9 +284,9 @@ void add_experiment_command(CLI::App& app, CommandContext& context) {
     plan->callback([plan, options, &context] { context.exit_code = run_plan(*plan, *options, context.arguments); });
     add_plan_options(*plan, *options);
     CLI::App* run =
-        add("run", "Renders the references, then runs the cells.", [options] { return run_cells(*options, false); });
+        add("run", "Renders the references, then runs the cells.", [options] { return run_all(*options, false); });
     CLI::App* resume = add("resume", "Continues an interrupted run, even inside a cell.",
-                           [options] { return run_cells(*options, true); });
+                           [options] { return run_all(*options, true); });
     for (CLI::App* each : {run, resume}) add_run_options(*each, *options);
     run->add_flag("--resume", options->resume, "begins or continues; does nothing if the run is finished");
     run->add_flag("--only-references", options->only_references, "renders only the references; begins or continues");
@@ -298,7 +298,7 @@ void add_experiment_command(CLI::App& app, CommandContext& context) {
         add("replay", "Renders a finished cell again and compares every bit; exit code 1 when one differs.",
             [options] { return run_replay(*options); });
     add_config(*replay, *options);
-    replay->add_option("CELL", options->cell, "name of the cell in cells/")->required()->option_text("(required)");
+    replay->add_option("CELL", options->run, "name of the cell in cells/")->required()->option_text("(required)");
     add_output(*replay, *options, true);
     CLI::App* report =
         add("report", "Writes report.html, results.csv, results.jsonl and plots/*.svg for the finished cells.",

@@ -43,7 +43,7 @@ Result<std::vector<std::string>> finished_shards(const ExperimentMergeOptions& o
 /// Warns of cells with a time budget on different kinds of machines, because their errors are not comparable.
 void warn_of_machines(const Experiment& results) {
     std::set<std::string> machines;
-    for (const Cell& each : results.cells)
+    for (const StudyRun& each : results.runs)
         if (each.budget_kind == BudgetKind::seconds && !each.machine.empty()) machines.insert(each.machine);
     if (machines.size() < 2) return;
     std::string list;

@@ -10,7 +10,7 @@
 #include "experiments/program/interrupt.h"
 #include "experiments/program/resource.h"
 #include "experiments/program/tint.h"
-#include "experiments/stability/suite/beside.h"
+#include "experiments/stability/suite/baseline.h"
 #include "experiments/stability/suite/case_file.h"
 #include "experiments/stability/suite/line_records.h"
 #include "experiments/stability/suite/suite_page.h"
@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 struct StabilityOptions {
     std::vector<std::string> files, plugins;
     std::string output;
-    BesideOptions beside;
+    BaselineOptions baseline;
     SuiteOptions suite;
     bool list = false;
 };
@@ -39,14 +39,14 @@ void print_lines(const std::vector<LineResult>& lines) {
     for (const int row : lines.front().rows) rows += (rows.empty() ? "  row " : ", ") + std::to_string(row);
     print_line(lines.front().name + rows);
     for (const LineResult& line : lines) {
-        const bool holds = line.verdict == LineVerdict::holds, absent = line.verdict == LineVerdict::not_applicable;
+        const bool holds = line.result == LineState::holds, absent = line.result == LineState::not_applicable;
         if (absent) {
             print_line("  not applicable: " + line.note);
             continue;
         }
         print_line("  " + column(line.setting, 34, false) + column(number_text(line.expected, 7), 12) +
                    column(number_text(line.measured, 7), 12) + column(line.error_text(), 12) +
-                   column(line.tolerance, 14) + tinted(name_of(line.verdict), holds ? Tint::good : Tint::bad, false) +
+                   column(line.tolerance, 14) + tinted(name_of(line.result), holds ? Tint::good : Tint::bad, false) +
                    (line.note.empty() ? "" : "  " + line.note));
     }
 }
@@ -65,16 +65,16 @@ void print_cases(const std::vector<CaseFamily>& families, const SuiteOptions& op
 Status write_results(const StabilityOptions& options, const std::vector<CaseFamily>& families,
                      const SuiteResults& results) {
     const fs::path folder = options.output;
-    BesideRun other;
+    BaselineRun other;
     SuitePage page{&families, &results, nullptr, options.suite.pictures};
-    if (!options.beside.program.empty() && !results.interrupted) {
-        BesideOptions beside = options.beside;
-        beside.files = options.files;
-        beside.folder = options.output;
-        auto run = run_beside(beside, options.suite, &interrupt_flag());
+    if (!options.baseline.program.empty() && !results.interrupted) {
+        BaselineOptions baseline = options.baseline;
+        baseline.files = options.files;
+        baseline.folder = options.output;
+        auto run = run_baseline(baseline, options.suite, &interrupt_flag());
         if (!run) return run.error();
         other = std::move(*run);
-        page.beside = &other;
+        page.baseline = &other;
     }
     for (const auto& [name, text] :
          {std::pair("results.json", results_json(results)), std::pair("results.csv", results_csv(results)),
@@ -97,7 +97,7 @@ int run_stability(StabilityOptions& options) {
         print_cases(*families, options.suite);
         return exit_holds;
     }
-    if (!options.beside.program.empty() && options.output.empty())
+    if (!options.baseline.program.empty() && options.output.empty())
         return report_error("--beside needs -o FOLDER, because its results appear on the page");
     if (!options.output.empty()) {
         std::error_code failed;
@@ -113,12 +113,12 @@ int run_stability(StabilityOptions& options) {
             return report_error(written.error());
     if (results->lines.empty() && !results->interrupted)
         return report_error("the options select no case; 'raylex stability --list' names them");
-    const std::size_t good = results->count(LineVerdict::holds), absent = results->count(LineVerdict::not_applicable),
+    const std::size_t good = results->count(LineState::holds), absent = results->count(LineState::not_applicable),
                       bad = results->lines.size() - good - absent;
-    print_verdict(counted(good, "line holds", "lines hold") + ", " + std::to_string(bad) + " not" +
-                      (absent > 0 ? ", " + counted(absent, "case", "cases") + " not applicable" : "") + "; " +
-                      duration_text(results->seconds),
-                  bad == 0);
+    print_result(counted(good, "line holds", "lines hold") + ", " + std::to_string(bad) + " not" +
+                     (absent > 0 ? ", " + counted(absent, "case", "cases") + " not applicable" : "") + "; " +
+                     duration_text(results->seconds),
+                 bad == 0);
     if (results->interrupted) return exit_interrupted;
     return bad == 0 ? exit_holds : exit_does_not_hold;
 }
@@ -154,18 +154,18 @@ void add_stability_command(CLI::App& app, CommandContext& context) {
         ->option_text("N")
         ->check(CLI::Range(1, 1024));
     command
-        ->add_option("--beside", options->beside,
+        ->add_option("--beside", options->baseline,
                      "another raylex program, such as one built with -DRAYLEX_TRANSPORT_DOUBLE=ON; it runs the same "
                      "cases, and the page shows the errors and times of both")
         ->option_text("PROGRAM");
     command
-        ->add_option("--scene", options->beside.scenes,
+        ->add_option("--scene", options->baseline.scenes,
                      "with --beside: a pbrt file that both programs render with the same random numbers, to compare "
                      "images and times; may be repeated")
         ->option_text("SCENE.pbrt")
         ->expected(1)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    command->add_option("--scene-spp", options->beside.samples, "samples per pixel of these scenes; default 16")
+    command->add_option("--scene-spp", options->baseline.samples, "samples per pixel of these scenes; default 16")
         ->option_text("N");
     command->add_flag("--list", options->list, "lists the cases and ends");
     add_plugin_option(*command, options->plugins);

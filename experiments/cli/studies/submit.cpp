@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 struct SubmitOptions {
     std::string config, directory, form = "slurm";
     std::vector<std::string> overrides, slurm_options;
-    unsigned shards = 0, split_cells = 1, cores = 1;
+    unsigned shards = 0, split_runs = 1, cores = 1;
     bool slurm = false, again = false, no_calibration = false, no_report = false;
 };
 
@@ -58,7 +58,7 @@ Result<std::vector<unsigned>> shards_to_run(const ExperimentConfig& config, cons
     for (unsigned part = 1; part <= options.shards; ++part) {
         const auto begun = begun_mark(folders.part(part));
         if (begun && (begun->config_hash != config.hash || begun->shard.parts != options.shards ||
-                      begun->shard.split_cells != options.split_cells))
+                      begun->shard.split_runs != options.split_runs))
             return error_at({folders.part(part), 0, 0},
                             "this shard belongs to a run of another config, --set, --shards or --split-cells",
                             "choose another directory with -o, or the settings of that run");
@@ -96,7 +96,7 @@ int submit(const CLI::App& command, const SubmitOptions& options, const std::vec
     words.erase(words.begin(), words.begin() + 2);  // the program, and "submit"
     const StudyCommandsRequest request{.directory = directory,
                                        .shards = options.shards,
-                                       .split_cells = options.split_cells,
+                                       .split_runs = options.split_runs,
                                        .threads = options.cores,
                                        .config = words,
                                        .calibrate = !options.no_calibration,
@@ -119,8 +119,8 @@ int submit(const CLI::App& command, const SubmitOptions& options, const std::vec
 
 std::string task_line(const TaskStatus& task) {
     std::string line = task.name + ": " + state_text(task.state);
-    if (task.cells > 0) line += ", " + counted(task.cells, "cell");
-    if (task.failed_cells > 0) line += ", " + std::to_string(task.failed_cells) + " FAILED";
+    if (task.runs > 0) line += ", " + counted(task.runs, "cell");
+    if (task.failed_runs > 0) line += ", " + std::to_string(task.failed_runs) + " FAILED";
     return line + (task.message.empty() ? "" : ": " + task.message);
 }
 
@@ -156,7 +156,7 @@ void add_submit_command(CLI::App& app, CommandContext& context) {
     command->add_option("--shards", options->shards, "number of tasks for the cells")
         ->option_text("N (required)")
         ->check(CLI::Range(1U, 100000U));
-    command->add_option("--split-cells", options->split_cells, "renders the samples of each cell in N parts")
+    command->add_option("--split-cells", options->split_runs, "renders the samples of each cell in N parts")
         ->option_text("N")
         ->check(CLI::Range(1U, 4096U));
     command->add_option("--cores", options->cores, "cores per task; default 1")

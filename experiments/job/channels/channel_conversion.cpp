@@ -61,7 +61,7 @@ std::string techniques_text(const TechniqueRequest& request) {
 }
 
 /// Returns the keys of [channels].
-std::string asked_text(const Job& job, const std::map<std::string, std::string>& rules) {
+std::string requested_text(const Job& job, const std::map<std::string, std::string>& rules) {
     std::vector<std::string> aovs, mattes;
     for (const AovRequest& each : job.aovs) aovs.push_back(each.name);
     for (const geoaovs::MatteKind kind : job.settings.mattes.kinds)
@@ -135,9 +135,9 @@ Result<std::string> toml_text(const ChannelSet& set, std::vector<std::string>& w
         rules[each.channel] = display::rule_name(each.rule);
     LayerNames names;
     const std::string channels = channel_texts(set, job, names, statistics, rules);
-    if (const std::string asked = asked_text(job, rules); !asked.empty()) {
+    if (const std::string requested = requested_text(job, rules); !requested.empty()) {
         separate();
-        text += "[channels]\n" + asked;
+        text += "[channels]\n" + requested;
     }
     if (!statistics.empty()) {
         separate();

@@ -32,7 +32,7 @@ ChannelDefinition expression_channel(std::string name, std::string expression) {
 
 class Planner {
   public:
-    Planner(const Job& job, const SceneWords& scene) : job_(job), scene_(scene), words_(scene.words) {}
+    Planner(const Job& job, const ScenePathStrings& scene) : job_(job), scene_(scene), words_(scene.words) {}
 
     Result<ChannelPlan> run() {
         for (const ExpressionRequest& request : job_.expressions) {
@@ -145,7 +145,7 @@ class Planner {
     /// this scene.
     [[nodiscard]] std::string rest_text(const std::vector<std::string>& channels) const {
         const std::vector<lpe::ChannelSource> sources = sources_of(channels);
-        for (const lpe::Words& words : {lpe::Words{}, words_}) {
+        for (const lpe::PathStrings& words : {lpe::PathStrings{}, words_}) {
             auto text = lpe::rest_expression(sources, std::nullopt, words);
             if (text && *text) return **text;
         }
@@ -222,7 +222,7 @@ class Planner {
             if (!request.of.empty()) of = sources_[index_.at(request.of)];
             auto report = lpe::check_partition(sources, of, words_);
             if (!report) return report.error();
-            if (report->verdict != lpe::Verdict::partition) summary = report->summary;
+            if (report->result != lpe::SplitProof::partition) summary = report->summary;
         } else {
             auto report = lpe::check_disjoint(sources, words_);
             if (!report) return report.error();
@@ -319,16 +319,17 @@ class Planner {
     [[nodiscard]] Result<std::string> technique_source(const std::string& name) const {
         if (name == "beauty") return std::string("C.*");
         const auto found = index_.find(name);
-        const std::string asked = "layers of '" + name + "' by technique: ";
+        const std::string requested = "layers of '" + name + "' by technique: ";
         if (found == index_.end() || plan_.channels[found->second].style != ChannelStyle::expression)
             return error_at(job_.techniques->location,
-                            asked +
+                            requested +
                                 "no channel with a light path expression has this name; expected beauty or a "
                                 "[[channel]] or --lpe channel of the job");
         const ChannelDefinition& channel = plan_.channels[found->second];
         if (channel.dialect != lpe::Dialect::renderman || !channel.rest_of.empty() || no_part_.contains(name))
-            return error_at(job_.techniques->location,
-                            asked + "expected a channel in the renderman dialect, without prefixes and no rest layer");
+            return error_at(
+                job_.techniques->location,
+                requested + "expected a channel in the renderman dialect, without prefixes and no rest layer");
         const std::string mark = "lpe:";
         return channel.expression.starts_with(mark) ? channel.expression.substr(mark.size()) : channel.expression;
     }
@@ -377,8 +378,8 @@ class Planner {
     }
 
     const Job& job_;
-    const SceneWords& scene_;
-    lpe::Words words_;
+    const ScenePathStrings& scene_;
+    lpe::PathStrings words_;
     ChannelPlan plan_;
     std::vector<lpe::ChannelSource> sources_;  // parallel to plan_.channels
     std::map<std::string, std::size_t> index_;
@@ -390,7 +391,7 @@ class Planner {
 
 }  // namespace
 
-Result<ChannelPlan> plan_channels(const Job& job, const SceneWords& scene) {
+Result<ChannelPlan> plan_channels(const Job& job, const ScenePathStrings& scene) {
     return Planner(job, scene).run();
 }
 

@@ -6,7 +6,7 @@
 
 #include "display/output/writer/exr_writer.h"
 #include "display/services/channel.h"
-#include "experiments/job/channels/scene_words.h"
+#include "experiments/job/channels/scene_path_strings.h"
 #include "experiments/job/job.h"
 #include "lpe/result.h"
 
@@ -24,6 +24,6 @@ struct ChannelPlan {
 /// Makes the layers, in this order: the job's expressions, automatic or declared rest layers, the shipped partition,
 /// light groups, geometric AOVs. Errors: duplicate or invalid names, expressions that do not parse, unknown AOVs or
 /// channels, partitions of channels with prefixes. A partition that does not hold is not an Error; it sets `refuted`.
-Result<ChannelPlan> plan_channels(const Job& job, const SceneWords& scene);
+Result<ChannelPlan> plan_channels(const Job& job, const ScenePathStrings& scene);
 
 }  // namespace raylex::experiments

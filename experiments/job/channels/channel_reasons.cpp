@@ -5,7 +5,7 @@
 #include <set>
 #include <utility>
 
-#include "experiments/job/channels/likely_slips.h"
+#include "experiments/job/channels/likely_mistakes.h"
 #include "experiments/job/channels/named_labels.h"
 #include "lpe/algebra/proofs/check.h"
 #include "lpe/failure.h"
@@ -21,7 +21,7 @@ using enum NamedLabel::Role;
 using Role = NamedLabel::Role;
 
 /// Returns the labels in the scene, by role.
-std::array<std::set<std::string>, 3> known_labels(const SceneWords& scene) {
+std::array<std::set<std::string>, 3> known_labels(const ScenePathStrings& scene) {
     std::array<std::set<std::string>, 3> known;
     known[object].insert(scene.alphabet.object_labels.begin(), scene.alphabet.object_labels.end());
     known[group].insert(scene.alphabet.light_groups.begin(), scene.alphabet.light_groups.end());
@@ -39,7 +39,7 @@ enum Lack : int { depth, user_events, objects, groups, lobes, background, emissi
 
 class Relaxed {
   public:
-    Relaxed(const SceneWords& scene, const std::vector<NamedLabel>& labels)
+    Relaxed(const ScenePathStrings& scene, const std::vector<NamedLabel>& labels)
         : scene_(scene), user_(scene.user), words_(scene.words) {
         for (const NamedLabel& each : labels) {
             // A label for a glob that matches nothing: the glob with its wildcards replaced.
@@ -88,8 +88,8 @@ class Relaxed {
         }
     }
 
-    [[nodiscard]] lpe::Words words() const {
-        lpe::Words result = words_;
+    [[nodiscard]] lpe::PathStrings words() const {
+        lpe::PathStrings result = words_;
         result.alphabet->scattering.insert(result.alphabet->scattering.end(), user_.begin(), user_.end());
         return result;
     }
@@ -133,9 +133,9 @@ class Relaxed {
         }
     }
 
-    const SceneWords& scene_;
+    const ScenePathStrings& scene_;
     std::vector<lpe::Event> user_;
-    lpe::Words words_;
+    lpe::PathStrings words_;
     std::array<std::set<std::string>, 3> named_, known_;
 };
 
@@ -153,7 +153,7 @@ bool has_lobe(const std::vector<lpe::Event>& events, const lpe::Event& wanted) {
 }
 
 /// Returns the part of an event that the scene lacks, or nothing.
-std::string lack_of(lpe::Event event, const SceneWords& scene) {
+std::string lack_of(lpe::Event event, const ScenePathStrings& scene) {
     const std::array<std::set<std::string>, 3> known = known_labels(scene);
     const bool terminal = event.type == lpe::EventType::light || event.type == lpe::EventType::background ||
                           event.type == lpe::EventType::emission;
@@ -211,7 +211,7 @@ std::string lack_of(lpe::Event event, const SceneWords& scene) {
 }
 
 /// Returns what the scene lacks for a path that matches: "it needs X and Y".
-std::string reason(const lpe::Witness& witness, const SceneWords& scene) {
+std::string reason(const lpe::Witness& witness, const ScenePathStrings& scene) {
     std::vector<std::string> lacks;
     int scatterings = 0;
     for (const lpe::Event& event : witness.events) {
@@ -231,7 +231,7 @@ std::string reason(const lpe::Witness& witness, const SceneWords& scene) {
 
 }  // namespace
 
-Result<std::vector<std::string>> unknown_labels(const lpe::ChannelSource& channel, const SceneWords& scene) {
+Result<std::vector<std::string>> unknown_labels(const lpe::ChannelSource& channel, const ScenePathStrings& scene) {
     auto labels = labels_of(channel);
     if (!labels) return labels.error();
     const std::array<std::set<std::string>, 3> known = known_labels(scene);
@@ -257,8 +257,8 @@ Result<std::vector<std::string>> unknown_labels(const lpe::ChannelSource& channe
     return notes;
 }
 
-Result<std::optional<std::string>> why_never(const lpe::ChannelSource& channel, const SceneWords& scene) {
-    const auto matches = [&](const lpe::Words& words) { return lpe::find_word(channel, words); };
+Result<std::optional<std::string>> why_never(const lpe::ChannelSource& channel, const ScenePathStrings& scene) {
+    const auto matches = [&](const lpe::PathStrings& words) { return lpe::find_path_string(channel, words); };
     auto word = matches(scene.with_user_events());
     if (!word) return word.error();
     if (word->has_value()) return std::optional<std::string>();
@@ -279,8 +279,9 @@ Result<std::optional<std::string>> why_never(const lpe::ChannelSource& channel, 
         if (!word) return word.error();
         if (word->has_value()) return std::optional(reason(**word, scene));
     }
-    const std::string slip = likely_slip(channel, wider.words());
-    return std::optional<std::string>("no path of any scene matches it" + (slip.empty() ? std::string() : ": " + slip));
+    const std::string mistake = likely_mistake(channel, wider.words());
+    return std::optional<std::string>("no path of any scene matches it" +
+                                      (mistake.empty() ? std::string() : ": " + mistake));
 }
 
 }  // namespace raylex::experiments

@@ -84,18 +84,18 @@ Status add_file(const std::string& path, const std::string& format, lpe::Dialect
 bool is_all_light(const lpe::ChannelSource& source, const lpe::MacroTable& macros) {
     auto expansion = lpe::expand_names(source, macros);
     if (!expansion) return false;  // reported when the channel is planned
-    lpe::Words surfaces;
+    lpe::PathStrings surfaces;
     surfaces.volume = false;
-    for (const lpe::Words& words : {lpe::Words{}, surfaces})
+    for (const lpe::PathStrings& words : {lpe::PathStrings{}, surfaces})
         if (auto all = lpe::is_beauty(expansion->source, words); all && *all) return true;
     return false;
 }
 
 /// Adds a request unless it exists. Returns whether it was added.
-bool add_once(display::StatisticRequest request, std::vector<display::StatisticRequest>& asked) {
-    for (const display::StatisticRequest& each : asked)
+bool add_once(display::StatisticRequest request, std::vector<display::StatisticRequest>& requested) {
+    for (const display::StatisticRequest& each : requested)
         if (each.channel == request.channel && each.statistic == request.statistic) return false;
-    asked.push_back(std::move(request));
+    requested.push_back(std::move(request));
     return true;
 }
 

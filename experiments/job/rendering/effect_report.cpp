@@ -162,9 +162,9 @@ std::vector<std::string> aov_table(std::span<const display::ChannelDefinition> c
     const auto found = askers(channels);
     std::vector<std::string> lines{column("kind of AOV", 26) + column("computed", 13) + "why"};
     for (std::size_t i = 0; i < found.size(); ++i) {
-        const bool asked = !found[i].empty();
-        lines.push_back(column(aov_kinds[i].name, 26) + column(asked ? "on" : "off", 13) +
-                        (asked ? "for " + lpe::joined_by(found[i], ", ") : "not requested"));
+        const bool requested = !found[i].empty();
+        lines.push_back(column(aov_kinds[i].name, 26) + column(requested ? "on" : "off", 13) +
+                        (requested ? "for " + lpe::joined_by(found[i], ", ") : "not requested"));
     }
     return lines;
 }

@@ -60,17 +60,17 @@ Json invalid_json(const RunRecord& record) {
 
 Json splits_json(const RunRecord& record) {
     Json splits = Json::array();
-    for (const display::SplitVerdict& verdict : record.splits)
-        splits.push_back({{"partition", verdict.partition},
-                          {"of", verdict.of.empty() ? "beauty" : verdict.of},
-                          {"layers", verdict.layers},
-                          {"holds", verdict.holds},
-                          {"largest_absolute", verdict.largest_absolute},
-                          {"largest_relative", verdict.largest_relative},
-                          {"bound", verdict.bound},
-                          {"past_rounding_pixels", verdict.past_rounding},
-                          {"exceeding_pixels", verdict.exceeding},
-                          {"non_finite_pixels", verdict.non_finite}});
+    for (const display::SplitResult& result : record.splits)
+        splits.push_back({{"partition", result.partition},
+                          {"of", result.of.empty() ? "beauty" : result.of},
+                          {"layers", result.layers},
+                          {"holds", result.holds},
+                          {"largest_absolute", result.largest_absolute},
+                          {"largest_relative", result.largest_relative},
+                          {"bound", result.bound},
+                          {"past_rounding_pixels", result.past_rounding},
+                          {"exceeding_pixels", result.exceeding},
+                          {"non_finite_pixels", result.non_finite}});
     return splits;
 }
 

@@ -35,7 +35,7 @@ struct RunRecord {
     std::vector<std::string> arguments;
     std::map<std::string, PhaseTime> phases;  ///< load, build, render, write
     std::vector<std::string> warnings;
-    std::vector<display::SplitVerdict> splits;
+    std::vector<display::SplitResult> splits;
     std::map<std::string, std::string> attributes;  ///< the attributes of the image header
     std::vector<display::MemoryItem> memory;        ///< of the image, by layer, as estimated before rendering
     const display::DeepBuffer* deep = nullptr;      ///< null without a deep image

@@ -52,7 +52,7 @@ void read_row(TomlTable& table, const RenderSetting& setting, const std::string&
     }
     if (values.is_path)
         for (RenderSetting::Item& item : items)
-            if (!is_standard_output(item.text)) item.text = beside_job(job_path, item.text);
+            if (!is_standard_output(item.text)) item.text = relative_to_job(job_path, item.text);
     if (const Status set = values.set(job, items); !set) {
         Error error = set.error();
         const std::string where = "'" + key + "' in " + table.description();

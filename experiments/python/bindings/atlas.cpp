@@ -10,9 +10,9 @@
 #include "display/output/splits/stored_precision.h"
 #include "display/output/writer/memory_image.h"
 #include "experiments/atlas/answer.h"
-#include "experiments/atlas/bright_words.h"
 #include "experiments/atlas/merged_atlas.h"
-#include "experiments/cli/judge.h"
+#include "experiments/atlas/top_contributions.h"
+#include "experiments/cli/checks.h"
 #include "experiments/python/bindings/arrays.h"
 #include "experiments/python/bindings/image.h"
 
@@ -38,7 +38,7 @@ class Atlas {
         : file_(unlocked([&] { return take(display::AtlasFile::open(path.string())); })) {}
 
     [[nodiscard]] const display::AtlasFile& file() const { return *file_; }
-    [[nodiscard]] const display::WordTable& table() const { return file_->table(); }
+    [[nodiscard]] const display::PathStringTable& table() const { return file_->table(); }
 
     /// Runs one request at a time, because the parts to be read are a setting of the file. A request may read rows with
     /// many threads.
@@ -56,10 +56,10 @@ class Atlas {
     std::mutex reading_;
 };
 
-std::vector<std::string> word_texts(const Atlas& atlas) {
+std::vector<std::string> path_string_texts(const Atlas& atlas) {
     std::vector<std::string> texts;
     for (std::uint32_t word = 0; word < atlas.table().words.size(); ++word)
-        texts.push_back(experiments::word_text(atlas.table(), word));
+        texts.push_back(experiments::path_string_text(atlas.table(), word));
     return texts;
 }
 
@@ -87,20 +87,20 @@ std::shared_ptr<Image> ask(Atlas& atlas, const std::vector<Question>& channels, 
             take(experiments::answer_question(file, job, {intervals, errors})));
         if (!answer->refuted.empty()) fail(answer->refuted);
         auto image = std::make_shared<Image>(
-            display::image_in_memory(answer->layers, experiments::AskedLayers::beauty, answer->description));
+            display::image_in_memory(answer->layers, experiments::RequestedLayers::beauty, answer->description));
         image->warnings = answer->notes;
         image->complete = answer->description.complete;
         image->write = [answer](const std::string& path) {
-            return display::write_exr(path, answer->layers, experiments::AskedLayers::beauty, answer->description);
+            return display::write_exr(path, answer->layers, experiments::RequestedLayers::beauty, answer->description);
         };
         return image;
     });
 }
 
-experiments::BrightPixel words_at(Atlas& atlas, int x, int y, int top) {
+experiments::PixelContributions path_strings_at(Atlas& atlas, int x, int y, int top) {
     if (top < 1) fail("top is " + std::to_string(top) + "; expected 1 or more");
     return atlas.read([&](display::AtlasFile& file) {
-        return take(experiments::bright_words(file, x, y, static_cast<std::size_t>(top)));
+        return take(experiments::top_contributions(file, x, y, static_cast<std::size_t>(top)));
     });
 }
 
@@ -121,7 +121,7 @@ Entries entries_of(Atlas& atlas) {
             const auto before = static_cast<std::int64_t>(all.word.size());
             for (std::size_t x = 1; x < row.begin.size(); ++x) all.begin.push_back(before + row.begin[x]);
             for (const auto& counts : row.counts) all.samples.insert(all.samples.end(), counts.begin(), counts.end());
-            for (const display::WordSample& sample : row.samples) {
+            for (const display::PathStringSample& sample : row.samples) {
                 all.word.push_back(static_cast<std::int32_t>(sample.word));
                 for (const double value : sample.rgb) all.rgb.push_back(static_cast<float>(value));
                 all.parts.insert(all.parts.end(), sample.parts.begin(), sample.parts.end());
@@ -159,24 +159,26 @@ void merge(const std::vector<std::string>& paths, const std::string& output) {
 }
 
 void add_answers(py::module_& module) {
-    using experiments::BrightPixel;
-    using experiments::BrightWord;
+    using experiments::PixelContributions;
     using experiments::SuggestedLayer;
-    py::class_<BrightPixel>(module, "PixelWords", "The brightest path strings of a pixel, in order.")
+    using experiments::TopContribution;
+    py::class_<PixelContributions>(module, "PixelWords", "The brightest path strings of a pixel, in order.")
         .def_property_readonly(
-            "rgba", [](const BrightPixel& p) { return py::make_tuple(p.rgba[0], p.rgba[1], p.rgba[2], p.rgba[3]); },
+            "rgba",
+            [](const PixelContributions& p) { return py::make_tuple(p.rgba[0], p.rgba[1], p.rgba[2], p.rgba[3]); },
             "value in the render: scene-linear red, green, blue, and alpha")
-        .def_readonly("mean", &BrightPixel::mean, "(R + G + B) / 3")
-        .def_readonly("error", &BrightPixel::error, "standard error of the mean; inf if unknown")
-        .def_readonly("samples", &BrightPixel::samples, "camera samples of the pixel")
-        .def_readonly("more", &BrightPixel::more, "number of further path strings")
-        .def_readonly("words", &BrightPixel::words, "list of AtlasWord");
-    py::class_<BrightWord>(module, "AtlasWord", "The light of one word in one pixel.")
-        .def_readonly("number", &BrightWord::word, "index in Atlas.words")
+        .def_readonly("mean", &PixelContributions::mean, "(R + G + B) / 3")
+        .def_readonly("error", &PixelContributions::error, "standard error of the mean; inf if unknown")
+        .def_readonly("samples", &PixelContributions::samples, "camera samples of the pixel")
+        .def_readonly("more", &PixelContributions::more, "number of further path strings")
+        .def_readonly("words", &PixelContributions::words, "list of AtlasWord");
+    py::class_<TopContribution>(module, "AtlasWord", "The light of one word in one pixel.")
+        .def_readonly("number", &TopContribution::word, "index in Atlas.words")
         .def_property_readonly(
-            "rgb", [](const BrightWord& w) { return py::make_tuple(w.rgb[0], w.rgb[1], w.rgb[2]); }, "scene-linear")
-        .def_readonly("mean", &BrightWord::mean, "(R + G + B) / 3")
-        .def_readonly("error", &BrightWord::error, "standard error of the mean; inf if unknown");
+            "rgb", [](const TopContribution& w) { return py::make_tuple(w.rgb[0], w.rgb[1], w.rgb[2]); },
+            "scene-linear")
+        .def_readonly("mean", &TopContribution::mean, "(R + G + B) / 3")
+        .def_readonly("error", &TopContribution::error, "standard error of the mean; inf if unknown");
     py::class_<SuggestedLayer>(module, "SuggestedLayer", "A layer that isolates a kind of noise.")
         .def_readonly("name", &SuggestedLayer::name)
         .def_readonly("expression", &SuggestedLayer::expression, "expression in the dialect renderman; '' for the rest")
@@ -186,15 +188,15 @@ void add_answers(py::module_& module) {
             return "SuggestedLayer(" + layer.name + ": " + (layer.expression.empty() ? "rest" : layer.expression) +
                    ", noise " + std::to_string(layer.noise) + ", light " + std::to_string(layer.light) + ")";
         });
-    py::class_<display::AtlasVerdict>(module, "AtlasVerdict",
-                                      "Whether all path strings sum to the beauty, pixel by pixel.")
-        .def_readonly("holds", &display::AtlasVerdict::holds)
-        .def_readonly("largest_relative", &display::AtlasVerdict::largest,
+    py::class_<display::AtlasCheck>(module, "AtlasVerdict",
+                                    "Whether all path strings sum to the beauty, pixel by pixel.")
+        .def_readonly("holds", &display::AtlasCheck::holds)
+        .def_readonly("largest_relative", &display::AtlasCheck::largest,
                       "largest |sum - beauty| / (sum of |path strings| + |beauty|) of any pixel; at most 2^-23 if the "
                       "check holds")
-        .def_readonly("exceeding", &display::AtlasVerdict::exceeding, "number of pixels beyond 2^-23")
-        .def_readonly("entries", &display::AtlasVerdict::samples, "number of path strings of all pixels together")
-        .def("__bool__", [](const display::AtlasVerdict& verdict) { return verdict.holds; });
+        .def_readonly("exceeding", &display::AtlasCheck::exceeding, "number of pixels beyond 2^-23")
+        .def_readonly("entries", &display::AtlasCheck::samples, "number of path strings of all pixels together")
+        .def("__bool__", [](const display::AtlasCheck& result) { return result.holds; });
 }
 
 }  // namespace
@@ -211,7 +213,7 @@ void add_atlas(py::module_& module) {
         .def_property_readonly(
             "height", [](const Atlas& atlas) { return atlas.file().height(); }, "pixels")
         .def_property_readonly(
-            "words", &word_texts,
+            "words", &path_string_texts,
             "the path strings by index: 'C <R.D.'floor'> ... L'; '...' means one or more scattering events")
         .def_property_readonly(
             "by", [](const Atlas& atlas) { return to_string(atlas.table().rules); },
@@ -228,7 +230,7 @@ void add_atlas(py::module_& module) {
         .def_property_readonly(
             "complete", [](const Atlas& atlas) { return atlas.file().description().complete; },
             "False if the render was stopped early")
-        .def("_at", &words_at, "x"_a, "y"_a, "top"_a)
+        .def("_at", &path_strings_at, "x"_a, "y"_a, "top"_a)
         .def("_suggest", &suggest, "count"_a)
         .def("_ask", &ask, "channels"_a, "shipped"_a, "light_groups"_a, "intervals"_a, "errors"_a)
         .def("_entries", &entries)

@@ -24,7 +24,7 @@ void add_scene(py::module_& module);
 void add_scene_builder(py::module_& module);
 void add_image(py::module_& module);
 void add_atlas(py::module_& module);
-void add_judging(py::module_& module);
+void add_checks(py::module_& module);
 void add_render(py::module_& module);
 void add_study(py::module_& module);
 void add_plugins(py::module_& module);

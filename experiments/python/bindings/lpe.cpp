@@ -3,12 +3,12 @@
 #include <array>
 
 #include "experiments/job/channels/channel_set.h"
-#include "experiments/job/channels/scene_words.h"
+#include "experiments/job/channels/scene_path_strings.h"
 #include "experiments/job/job.h"
 #include "experiments/python/bindings/lpe_types.h"
 #include "lpe/match.h"
+#include "lpe/path_strings.h"
 #include "lpe/shipped.h"
-#include "lpe/words.h"
 
 namespace raylex::python {
 
@@ -94,12 +94,12 @@ void add_events(py::module_& module) {
 
 void add_words(py::module_& module) {
     using Labels = std::optional<std::vector<std::string>>;
-    py::class_<lpe::Words>(module, "Words",
-                           "The set of light paths for proofs. By default every path that any scene can "
-                           "produce.")
+    py::class_<lpe::PathStrings>(module, "Words",
+                                 "The set of light paths for proofs. By default every path that any scene can "
+                                 "produce.")
         .def(py::init([](bool volume, bool straight, bool background, bool emission, bool unlabelled_lights,
                          Labels light_groups, Labels object_labels, std::optional<int> max_depth) {
-                 lpe::Words words;
+                 lpe::PathStrings words;
                  words.volume = volume;
                  words.straight = straight;
                  words.background = background;
@@ -113,28 +113,28 @@ void add_words(py::module_& module) {
              py::kw_only(), "volume"_a = true, "straight"_a = true, "background"_a = true, "emission"_a = true,
              "unlabelled_lights"_a = true, "light_groups"_a = py::none(), "object_labels"_a = py::none(),
              "max_depth"_a = py::none())
-        .def_readonly("volume", &lpe::Words::volume)
-        .def_readonly("background", &lpe::Words::background)
-        .def_readonly("emission", &lpe::Words::emission)
-        .def_readonly("light_groups", &lpe::Words::light_groups)
-        .def_readonly("object_labels", &lpe::Words::object_labels)
-        .def_readonly("max_depth", &lpe::Words::max_depth)
+        .def_readonly("volume", &lpe::PathStrings::volume)
+        .def_readonly("background", &lpe::PathStrings::background)
+        .def_readonly("emission", &lpe::PathStrings::emission)
+        .def_readonly("light_groups", &lpe::PathStrings::light_groups)
+        .def_readonly("object_labels", &lpe::PathStrings::object_labels)
+        .def_readonly("max_depth", &lpe::PathStrings::max_depth)
         .def_property_readonly(
             "scattering",
-            [](const lpe::Words& words) {
+            [](const lpe::PathStrings& words) {
                 return words.alphabet ? py::cast(words.alphabet->scattering) : py::object(py::none());
             },
             "the scattering events of a scene, a list of Event; None without a scene")
         .def_property_readonly(
             "terminals",
-            [](const lpe::Words& words) {
+            [](const lpe::PathStrings& words) {
                 return words.alphabet ? py::cast(words.alphabet->terminals) : py::object(py::none());
             },
             "its lights, background and emission");
     module.def(
         "_words_of_file",
         [](const std::string& path) {
-            return unlocked([&] { return take(experiments::read_scene_words(path)).words; });
+            return unlocked([&] { return take(experiments::read_scene_path_strings(path)).words; });
         },
         "path"_a);
 }

@@ -5,7 +5,7 @@
 #include "lpe/algebra/proofs/overview.h"
 #include "lpe/algebra/proofs/paths.h"
 #include "lpe/algebra/proofs/relations.h"
-#include "lpe/words.h"
+#include "lpe/path_strings.h"
 
 namespace raylex::python {
 
@@ -16,7 +16,7 @@ namespace {
 /// The answer to a question: whether the statement holds, and otherwise a counterexample.
 struct Answer {
     bool holds = true;
-    std::string verdict;  ///< of a partition: "partition", "missed", "counted_twice", "outside"
+    std::string result;  ///< of a partition: "partition", "missed", "counted_twice", "outside"
     lpe::Witness witness;
     std::vector<std::string> channels;
     std::string summary;
@@ -25,8 +25,8 @@ struct Answer {
 
 Answer answer_of(lpe::PartitionReport report, const std::vector<lpe::ChannelSource>& sources) {
     constexpr const char* names[] = {"partition", "missed", "counted_twice", "outside"};
-    return {report.verdict == lpe::Verdict::partition,
-            names[static_cast<std::size_t>(report.verdict)],
+    return {report.result == lpe::SplitProof::partition,
+            names[static_cast<std::size_t>(report.result)],
             std::move(report.witness),
             names_of(sources, report.channels),
             std::move(report.summary),
@@ -49,7 +49,7 @@ Answer answer_of(lpe::Proof proof, const std::vector<lpe::ChannelSource>& source
 }
 
 Answer check(const std::vector<ChannelTuple>& channels, const std::optional<ChannelTuple>& of, const std::string& what,
-             const lpe::Words& words) {
+             const lpe::PathStrings& words) {
     const std::vector<lpe::ChannelSource> sources = sources_of(channels);
     std::optional<lpe::ChannelSource> whole;
     if (of) whole = source_of(*of);
@@ -63,7 +63,7 @@ Answer check(const std::vector<ChannelTuple>& channels, const std::optional<Chan
 }
 
 py::dict overview(const std::vector<ChannelTuple>& channels, const std::optional<ChannelTuple>& of,
-                  const lpe::Words& words) {
+                  const lpe::PathStrings& words) {
     const std::vector<lpe::ChannelSource> sources = sources_of(channels);
     std::optional<lpe::ChannelSource> whole;
     if (of) whole = source_of(*of);
@@ -82,7 +82,7 @@ py::dict overview(const std::vector<ChannelTuple>& channels, const std::optional
 void add_answer(py::module_& module) {
     py::class_<Answer>(module, "Check", "The answer to a question about expressions: a proof, or a counterexample.")
         .def_readonly("holds", &Answer::holds, "True if the statement is proved")
-        .def_readonly("verdict", &Answer::verdict, "'partition', 'missed', 'counted_twice', 'outside', ...")
+        .def_readonly("verdict", &Answer::result, "'partition', 'missed', 'counted_twice', 'outside', ...")
         .def_property_readonly(
             "counterexample", [](const Answer& answer) { return path_of(answer.witness); },
             "the shortest Path as counterexample; None if the statement holds")
@@ -100,14 +100,14 @@ void add_proofs(py::module_& module) {
     module.def("_overview", &overview, "channels"_a, "of"_a, "words"_a);
     module.def(
         "_equal",
-        [](const std::vector<ChannelTuple>& channels, const lpe::Words& words) {
+        [](const std::vector<ChannelTuple>& channels, const lpe::PathStrings& words) {
             const auto sources = sources_of(channels);
             return answer_of(take(lpe::check_equal(sources, words)), sources, "equal", "different");
         },
         "channels"_a, "words"_a, py::call_guard<Unlocked>());
     module.def(
         "_contains",
-        [](const ChannelTuple& outer, const ChannelTuple& inner, const lpe::Words& words) {
+        [](const ChannelTuple& outer, const ChannelTuple& inner, const lpe::PathStrings& words) {
             const auto sources = sources_of({outer, inner});
             return answer_of(take(lpe::check_contains(sources[0], sources[1], words)), sources, "contains",
                              "does not contain");
@@ -115,7 +115,7 @@ void add_proofs(py::module_& module) {
         "outer"_a, "inner"_a, "words"_a, py::call_guard<Unlocked>());
     module.def(
         "_empty",
-        [](const ChannelTuple& channel, const lpe::Words& words) {
+        [](const ChannelTuple& channel, const lpe::PathStrings& words) {
             const auto sources = sources_of({channel});
             return answer_of(take(lpe::check_empty(sources[0], words)), sources, "empty", "not empty");
         },
@@ -145,7 +145,7 @@ void add_path_sets(py::module_& module) {
         .def("__bool__", [](const lpe::PathSet& set) { return !set.empty(); });
     module.def(
         "_paths",
-        [](const std::string& operation, const std::vector<ChannelTuple>& channels, const lpe::Words& words,
+        [](const std::string& operation, const std::vector<ChannelTuple>& channels, const lpe::PathStrings& words,
            std::size_t samples, std::size_t longest_counted) {
             return take(
                 lpe::look_at_paths(operation_of(operation), sources_of(channels), words, {samples, longest_counted}));
@@ -166,7 +166,7 @@ void add_explanations(py::module_& module) {
         .def("__str__", [](const lpe::Explanation& explanation) { return explanation.sentence; });
     module.def(
         "_explain",
-        [](const ChannelTuple& channel, const lpe::Words& words) {
+        [](const ChannelTuple& channel, const lpe::PathStrings& words) {
             return take(lpe::explain(source_of(channel), words));
         },
         "channel"_a, "words"_a, py::call_guard<Unlocked>());

@@ -14,7 +14,7 @@ PYBIND11_MODULE(_raylex, module) {
     raylex::python::add_scene(module);
     raylex::python::add_scene_builder(module);
     raylex::python::add_image(module);
-    raylex::python::add_judging(module);
+    raylex::python::add_checks(module);
     raylex::python::add_atlas(module);
     raylex::python::add_render(module);
     raylex::python::add_study(module);

@@ -9,7 +9,7 @@
 #include "display/output/writer/memory_image.h"
 #include "experiments/cli/render/render_outputs.h"
 #include "experiments/job/channels/channel_plan.h"
-#include "experiments/job/channels/scene_words.h"
+#include "experiments/job/channels/scene_path_strings.h"
 #include "experiments/job/job_file.h"
 #include "experiments/job/rendering/job_scene.h"
 #include "experiments/job/rendering/provenance.h"
@@ -116,7 +116,7 @@ class JobRender {
         warnings_ = loaded_->warnings;
         experiments::ask_for_film_layers(loaded_->scene.film, job_);
         if (const auto ignored = experiments::ask_for_film_clamp(loaded_->scene, job_)) warnings_.push_back(*ignored);
-        const experiments::SceneWords words = take(experiments::scene_words(job_, loaded_->scene));
+        const experiments::ScenePathStrings words = take(experiments::scene_path_strings(job_, loaded_->scene));
         experiments::ChannelPlan plan = take(experiments::plan_channels(job_, words));
         if (!plan.refuted.empty()) fail(plan.refuted, "nothing was rendered");
         if (!job_.settings.channels.beauty && plan.channels.empty())

@@ -44,21 +44,21 @@ py::dict run(const std::string& config, const std::string& directory, const std:
 py::dict study(const std::string& directory) {
     py::dict result;
     std::string lines, table;
-    std::vector<std::string> verdicts;
+    std::vector<std::string> results;
     bool cpu_clock = false;
     std::vector<std::pair<std::string, std::string>> plots;
     unlocked([&] {
         const experiments::Experiment experiment = take(experiments::read_experiment(directory));
         cpu_clock = experiment.cpu_clock;
-        const experiments::Study judged = take(experiments::study_of(experiment, {}));
-        lines = experiments::results_jsonl(judged);
-        table = experiments::results_csv(judged);
-        verdicts = experiments::verdict_lines(judged);
-        for (const experiments::Plot& plot : experiments::plots_of(judged)) plots.emplace_back(plot.file, plot.json);
+        const experiments::Study checked = take(experiments::study_of(experiment, {}));
+        lines = experiments::results_jsonl(checked);
+        table = experiments::results_csv(checked);
+        results = experiments::result_lines(checked);
+        for (const experiments::Plot& plot : experiments::plots_of(checked)) plots.emplace_back(plot.file, plot.json);
     });
     result["jsonl"] = lines;
     result["csv"] = table;
-    result["verdicts"] = verdicts;
+    result["verdicts"] = results;
     result["clock"] = cpu_clock ? "cpu_seconds" : "wall_seconds";
     result["plots"] = plots;
     return result;
@@ -71,10 +71,10 @@ py::array_t<double> cell_mean(const std::string& directory, const std::string& c
                          static_cast<py::ssize_t>(array.components)});
 }
 
-py::list cells(const std::string& directory) {
+py::list runs(const std::string& directory) {
     const experiments::Experiment experiment = unlocked([&] { return take(experiments::read_experiment(directory)); });
     py::list list;
-    for (const experiments::Cell& cell : experiment.cells) {
+    for (const experiments::StudyRun& cell : experiment.runs) {
         py::dict row("id"_a = cell.id, "scene"_a = cell.scene, "method"_a = cell.method,
                      "budget_kind"_a = experiments::budget_kind_name(cell.budget_kind), "budget"_a = cell.budget,
                      "replicate"_a = cell.replicate, "seed"_a = cell.seed, "failed"_a = cell.failed,
@@ -92,7 +92,7 @@ py::list cells(const std::string& directory) {
 void add_study(py::module_& module) {
     module.def("_run_experiment", &run, "config"_a, "directory"_a, "overrides"_a, "resume"_a, "retry"_a, "verbose"_a);
     module.def("_study", &study, "directory"_a);
-    module.def("_cells", &cells, "directory"_a);
+    module.def("_cells", &runs, "directory"_a);
     module.def("_cell_mean", &cell_mean, "directory"_a, "channel"_a);
     module.def(
         "_write_report",

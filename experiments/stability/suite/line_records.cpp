@@ -12,9 +12,9 @@
 namespace raylex::experiments {
 namespace {
 
-constexpr std::array verdict_names{std::pair(LineVerdict::holds, "holds"), std::pair(LineVerdict::fails, "fails"),
-                                   std::pair(LineVerdict::died, "died"),
-                                   std::pair(LineVerdict::not_applicable, "not applicable")};
+constexpr std::array state_names{std::pair(LineState::holds, "holds"), std::pair(LineState::fails, "fails"),
+                                 std::pair(LineState::died, "died"),
+                                 std::pair(LineState::not_applicable, "not applicable")};
 
 /// JSON has no infinities and no NaN, which are texts.
 struct AnyNumber {
@@ -39,18 +39,18 @@ std::string csv_text(const std::string& text) {
 
 }  // namespace
 
-const char* name_of(LineVerdict verdict) {
-    for (const auto& [each, name] : verdict_names)
-        if (each == verdict) return name;
+const char* name_of(LineState result) {
+    for (const auto& [each, name] : state_names)
+        if (each == result) return name;
     return "";
 }
 
-static void to_json(Json& json, LineVerdict verdict) {
-    json = name_of(verdict);
+static void to_json(Json& json, LineState result) {
+    json = name_of(result);
 }
-static void from_json(const Json& json, LineVerdict& verdict) {
-    for (const auto& [each, name] : verdict_names)
-        if (json == name) verdict = each;
+static void from_json(const Json& json, LineState& result) {
+    for (const auto& [each, name] : state_names)
+        if (json == name) result = each;
 }
 
 static void visit_fields(auto visit, LineResult& line) {
@@ -58,7 +58,7 @@ static void visit_fields(auto visit, LineResult& line) {
     visit("case", line.name);
     visit("setting", line.setting);
     visit("rows", line.rows);
-    visit("verdict", line.verdict);
+    visit("verdict", line.result);
     visit("expected", AnyNumber{line.expected});
     visit("measured", AnyNumber{line.measured});
     visit("error", AnyNumber{line.error});
@@ -113,7 +113,7 @@ std::string results_csv(const SuiteResults& results) {
         for (const int row : line.rows) rows += (rows.empty() ? "" : " ") + std::to_string(row);
         csv << csv_text(line.family) << ',' << csv_text(line.name) << ',' << csv_text(line.setting) << ',' << rows
             << ',' << line.expected << ',' << line.measured << ',' << line.error << ',' << line.allowed << ','
-            << line.standard_error << ',' << line.ulp << ',' << csv_text(line.tolerance) << ',' << name_of(line.verdict)
+            << line.standard_error << ',' << line.ulp << ',' << csv_text(line.tolerance) << ',' << name_of(line.result)
             << ',' << line.seconds << ',' << csv_text(line.note) << '\n';
     }
     return csv.str();

@@ -9,7 +9,7 @@
 
 namespace raylex::experiments {
 
-const char* name_of(LineVerdict verdict);
+const char* name_of(LineState result);
 Json line_record(const LineResult& line);
 /// Parses the record of line_record(). Throws Json::exception for any other JSON.
 LineResult line_of_record(const Json& record);

@@ -24,7 +24,7 @@ std::string number(double value) {
 
 /// Returns the fraction of its tolerance that a line used; for an exact line 0, or a value above any.
 double share_of(const LineResult& line) {
-    if (line.verdict == LineVerdict::died || std::isnan(line.error)) return INFINITY;
+    if (line.result == LineState::died || std::isnan(line.error)) return INFINITY;
     if (line.allowed > 0) return line.error / line.allowed;
     return line.error > 0 ? INFINITY : 0;
 }
@@ -32,8 +32,8 @@ double share_of(const LineResult& line) {
 std::string dots(std::span<const LineResult> lines, const std::string& name, double y, bool hollow) {
     std::string svg;
     for (const LineResult& line : lines) {
-        if (line.name != name || line.verdict == LineVerdict::not_applicable) continue;
-        const std::string color = line.verdict == LineVerdict::holds ? "var(--good)" : "var(--bad)";
+        if (line.name != name || line.result == LineState::not_applicable) continue;
+        const std::string color = line.result == LineState::holds ? "var(--good)" : "var(--bad)";
         svg += "<circle cx=\"" + number(x_of(share_of(line))) + "\" cy=\"" + number(y) + "\" r=\"" +
                (hollow ? "5" : "3.5") + "\" fill=\"" + (hollow ? "none" : color) +
                "\" fill-opacity=\"0.55\" stroke=\"" + color + "\"><title>" +
@@ -44,11 +44,10 @@ std::string dots(std::span<const LineResult> lines, const std::string& name, dou
 
 }  // namespace
 
-std::string suite_chart(std::span<const LineResult> lines, std::span<const LineResult> beside) {
+std::string suite_chart(std::span<const LineResult> lines, std::span<const LineResult> baseline) {
     std::vector<std::string> names;
     for (const LineResult& line : lines)
-        if (line.verdict != LineVerdict::not_applicable &&
-            std::find(names.begin(), names.end(), line.name) == names.end())
+        if (line.result != LineState::not_applicable && std::find(names.begin(), names.end(), line.name) == names.end())
             names.push_back(line.name);
     const double end = top + row_height * double(names.size()), height = end + bottom;
     std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + number(width) + " " +
@@ -64,7 +63,7 @@ std::string suite_chart(std::span<const LineResult> lines, std::span<const LineR
     for (std::size_t i = 0; i < names.size(); ++i) {
         const double y = top + row_height * (double(i) + 0.5);
         svg += "<text x=\"0\" y=\"" + number(y + 4) + "\">" + escape_html(names[i]) + "</text>" +
-               dots(lines, names[i], y, false) + dots(beside, names[i], y, true);
+               dots(lines, names[i], y, false) + dots(baseline, names[i], y, true);
     }
     return svg + "</svg>";
 }

@@ -4,12 +4,12 @@
 #include <span>
 #include <string>
 
-#include "experiments/stability/suite/judge_line.h"
+#include "experiments/stability/suite/check_line.h"
 
 namespace raylex::experiments {
 
 /// Returns SVG text: one row per case, one dot per line, from 1e-4 (and less) to 10 tolerances (and more). The lines of
 /// another program, `beside`, are hollow dots.
-std::string suite_chart(std::span<const LineResult> lines, std::span<const LineResult> beside);
+std::string suite_chart(std::span<const LineResult> lines, std::span<const LineResult> baseline);
 
 }  // namespace raylex::experiments

@@ -18,11 +18,11 @@ std::string cell(const std::string& text, bool number = true) {
     return std::string(number ? "<td class=\"number\">" : "<td>") + escape_html(text) + "</td>";
 }
 
-std::string verdict_cell(const LineResult& line) {
-    const bool good = line.verdict == LineVerdict::holds;
+std::string result_cell(const LineResult& line) {
+    const bool good = line.result == LineState::holds;
     const char* const words[] = {"holds", "fails", "died", "not applicable"};
     return std::string("<td><span class=\"") + (good ? "holds" : "fails") + "\">" +
-           words[static_cast<std::size_t>(line.verdict)] + "</span></td>";
+           words[static_cast<std::size_t>(line.result)] + "</span></td>";
 }
 
 std::string rows_text(const std::vector<int>& rows) {
@@ -35,8 +35,8 @@ class PageWriter {
   public:
     explicit PageWriter(const SuitePage& page) : page_(page) {
         for (const LineResult& line : page.results->lines) lines_[line.name].push_back(line);
-        if (page.beside != nullptr)
-            for (const LineResult& line : page.beside->results.lines) beside_[line.name][line.setting] = line;
+        if (page.baseline != nullptr)
+            for (const LineResult& line : page.baseline->results.lines) baseline_[line.name][line.setting] = line;
     }
 
     std::string html() const {
@@ -56,7 +56,7 @@ class PageWriter {
   private:
     std::string summary() const {
         const SuiteResults& results = *page_.results;
-        const std::size_t absent = results.count(LineVerdict::not_applicable), good = results.count(LineVerdict::holds),
+        const std::size_t absent = results.count(LineState::not_applicable), good = results.count(LineState::holds),
                           bad = results.lines.size() - good - absent;
         std::string html =
             "<p><span class=\"" + std::string(bad == 0 ? "holds" : "fails") + "\">" +
@@ -74,7 +74,7 @@ class PageWriter {
         if (bad == 0) return html;
         html += "<ul>\n";
         for (const LineResult& line : results.lines)
-            if (line.verdict == LineVerdict::fails || line.verdict == LineVerdict::died)
+            if (line.result == LineState::fails || line.result == LineState::died)
                 html += "<li><a href=\"#case-" + escape_html(line.name) + "\">" + escape_html(line.name) + "</a> " +
                         escape_html(line.setting) + "</li>\n";
         return html + "</ul>\n";
@@ -82,35 +82,35 @@ class PageWriter {
 
     /// Returns the table of whole scenes rendered by both programs, and the times of the suite.
     std::string scenes() const {
-        if (page_.beside == nullptr) return {};
-        const BesideRun& beside = *page_.beside;
+        if (page_.baseline == nullptr) return {};
+        const BaselineRun& baseline = *page_.baseline;
         double mine = 0, theirs = 0;
         std::size_t failing = 0;
         for (const auto& [name, lines] : lines_)
             for (const LineResult& line : lines) {
-                const auto known = beside_.find(name);
-                if (known == beside_.end()) continue;
+                const auto known = baseline_.find(name);
+                if (known == baseline_.end()) continue;
                 const auto other = known->second.find(line.setting);
                 if (other == known->second.end()) continue;
                 mine += line.seconds;
                 theirs += other->second.seconds;
-                failing += other->second.verdict == LineVerdict::holds ? 0 : 1;
+                failing += other->second.result == LineState::holds ? 0 : 1;
             }
-        std::string html = "<h2>Comparison with " + escape_html(beside.name) + "</h2>\n<p>The same lines take " +
+        std::string html = "<h2>Comparison with " + escape_html(baseline.name) + "</h2>\n<p>The same lines take " +
                            number_text(theirs / mine) + " times as long in that program; " +
                            (failing == 0 ? "all hold too" : counted(failing, "line does", "lines do") + " not hold") +
                            ". Its results are the hollow dots, and a column of each case.</p>\n";
-        if (beside.scenes.empty()) return html;
+        if (baseline.scenes.empty()) return html;
         html +=
             "<p>Whole scenes with the same random numbers, so that the images differ by arithmetic instead of noise; "
             "CPU time is the minimum of several alternating runs.</p>\n<div class=\"wide\"><table><tr><th>scene</th>"
             "<th>relmse between the images</th><th>mean of this / that - 1</th><th>CPU seconds</th><th>there</th>"
             "<th>ratio</th></tr>\n";
-        for (const SceneDifference& each : beside.scenes)
+        for (const SceneDifference& each : baseline.scenes)
             html += "<tr>" + cell(each.scene, false) + cell(number_text(each.relative_mse)) +
                     cell(number_text(each.mean_ratio - 1)) + cell(number_text(each.cpu_seconds)) +
-                    cell(number_text(each.cpu_seconds_beside)) +
-                    cell(number_text(each.cpu_seconds_beside / each.cpu_seconds)) + "</tr>\n";
+                    cell(number_text(each.baseline_cpu_seconds)) +
+                    cell(number_text(each.baseline_cpu_seconds / each.cpu_seconds)) + "</tr>\n";
         return html + "</table></div>\n";
     }
 
@@ -121,8 +121,8 @@ class PageWriter {
             const auto found = lines_.find(each.name);
             if (found == lines_.end()) continue;
             all.insert(all.end(), found->second.begin(), found->second.end());
-            if (const auto beside = beside_.find(each.name); beside != beside_.end())
-                for (const auto& [setting, line] : beside->second) other.push_back(line);
+            if (const auto baseline = baseline_.find(each.name); baseline != baseline_.end())
+                for (const auto& [setting, line] : baseline->second) other.push_back(line);
             cases += each.not_applicable.empty() ? described(each, found->second) : absent(each);
         }
         if (all.empty()) return {};
@@ -142,28 +142,29 @@ class PageWriter {
 
     std::string described(const StabilityCase& each, const std::vector<LineResult>& lines) const {
         const auto bad = std::count_if(lines.begin(), lines.end(),
-                                       [](const LineResult& line) { return line.verdict != LineVerdict::holds; });
-        const auto beside = beside_.find(each.name);
-        std::string html =
-            "<details id=\"case-" + escape_html(each.name) + "\"" + (bad > 0 ? " open" : "") + "><summary>" +
-            escape_html(each.name) + " <span class=\"faint\">" +
-            (each.rows.empty() ? "" : "row " + rows_text(each.rows) + ", ") + counted(lines.size(), "line") +
-            "</span>" + (bad > 0 ? " <span class=\"fails\">" + std::to_string(bad) + " not</span>" : "") +
-            "</summary>\n<p>" + escape_html(each.symptom) + "</p>\n<p class=\"faint\">Tolerance " +
-            escape_html(each.tolerance.text) + ": " + escape_html(each.reason) +
-            (each.source.empty() ? "" : " Source: " + escape_html(each.source)) +
-            "</p>\n<div class=\"wide\"><table><tr><th></th><th>expected</th><th>measured</th>"
-            "<th>error</th><th>allowed</th><th></th><th>seconds</th>" +
-            (beside == beside_.end() ? ""
-                                     : "<th>error in " + escape_html(page_.beside->name) + "</th><th>seconds</th>") +
-            "<th></th></tr>\n";
+                                       [](const LineResult& line) { return line.result != LineState::holds; });
+        const auto baseline = baseline_.find(each.name);
+        std::string html = "<details id=\"case-" + escape_html(each.name) + "\"" + (bad > 0 ? " open" : "") +
+                           "><summary>" + escape_html(each.name) + " <span class=\"faint\">" +
+                           (each.rows.empty() ? "" : "row " + rows_text(each.rows) + ", ") +
+                           counted(lines.size(), "line") + "</span>" +
+                           (bad > 0 ? " <span class=\"fails\">" + std::to_string(bad) + " not</span>" : "") +
+                           "</summary>\n<p>" + escape_html(each.symptom) + "</p>\n<p class=\"faint\">Tolerance " +
+                           escape_html(each.tolerance.text) + ": " + escape_html(each.reason) +
+                           (each.source.empty() ? "" : " Source: " + escape_html(each.source)) +
+                           "</p>\n<div class=\"wide\"><table><tr><th></th><th>expected</th><th>measured</th>"
+                           "<th>error</th><th>allowed</th><th></th><th>seconds</th>" +
+                           (baseline == baseline_.end()
+                                ? ""
+                                : "<th>error in " + escape_html(page_.baseline->name) + "</th><th>seconds</th>") +
+                           "<th></th></tr>\n";
         for (const LineResult& line : lines) {
             html += "<tr>" + cell(line.setting, false) + cell(number_text(line.expected, 9)) +
                     cell(number_text(line.measured, 9)) + cell(line.error_text()) + cell(number_text(line.allowed)) +
-                    verdict_cell(line) + cell(number_text(line.seconds));
-            if (beside != beside_.end()) {
-                const auto other = beside->second.find(line.setting);
-                const bool known = other != beside->second.end();
+                    result_cell(line) + cell(number_text(line.seconds));
+            if (baseline != baseline_.end()) {
+                const auto other = baseline->second.find(line.setting);
+                const bool known = other != baseline->second.end();
                 html += cell(known ? number_text(other->second.error) : "") +
                         cell(known ? number_text(other->second.seconds) : "");
             }
@@ -174,7 +175,7 @@ class PageWriter {
 
     const SuitePage& page_;
     std::map<std::string, std::vector<LineResult>> lines_;
-    std::map<std::string, std::map<std::string, LineResult>> beside_;
+    std::map<std::string, std::map<std::string, LineResult>> baseline_;
 };
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "experiments/stability/suite/beside.h"
+#include "experiments/stability/suite/baseline.h"
 #include "experiments/stability/suite/suite_runner.h"
 
 namespace raylex::experiments {
@@ -12,8 +12,8 @@ namespace raylex::experiments {
 struct SuitePage {
     const std::vector<CaseFamily>* families = nullptr;
     const SuiteResults* results = nullptr;
-    const BesideRun* beside = nullptr;  ///< results of another program for the same cases; null: none
-    std::string pictures;               ///< folder with FAMILY.png files, which are embedded if they exist
+    const BaselineRun* baseline = nullptr;  ///< results of another program for the same cases; null: none
+    std::string pictures;                   ///< folder with FAMILY.png files, which are embedded if they exist
 };
 
 /// Returns one self-contained HTML file: the summary, then each family with its picture, a chart of the used fractions

@@ -86,14 +86,14 @@ Status measure(const PlannedLine& planned, int threads, const std::string& pictu
     }
     if (!result) return result.error();
     if (!picture.empty()) write_picture(picture, image);
-    return judge(*planned.what, planned.setting, *result, line);
+    return run_checks(*planned.what, planned.setting, *result, line);
 }
 
 LineResult measured(const PlannedLine& planned, int threads, const std::string& picture) {
     LineResult line = planned.unmeasured();
     const transport::Stopwatch watch;
     if (const Status done = measure(planned, threads, picture, line); !done) {
-        line.verdict = LineVerdict::fails;
+        line.result = LineState::fails;
         line.measured = line.error = NAN;
         line.note = done.error().to_string();
     }
@@ -108,10 +108,10 @@ class SuiteService {
         : cases_(cases), options_(options) {}
 
     std::string answer(const std::string& request) const {
-        const Message asked = unpacked(request);
-        const std::vector<PlannedLine>& lines = cases_[asked.at(0).get<std::size_t>()];
-        if (asked.size() > 1)
-            return packed(Message::array({line_record(one(lines, asked.at(1).get<std::size_t>(), 1))}));
+        const Message requested = unpacked(request);
+        const std::vector<PlannedLine>& lines = cases_[requested.at(0).get<std::size_t>()];
+        if (requested.size() > 1)
+            return packed(Message::array({line_record(one(lines, requested.at(1).get<std::size_t>(), 1))}));
         Message records = Message::array();
         for (const LineResult& each : all(lines)) records.push_back(line_record(each));
         return packed(records);
@@ -168,7 +168,7 @@ class SuiteRun {
         const std::vector<PlannedLine>& lines = cases_[index];
         if (!lines.front().what->not_applicable.empty()) {
             LineResult line = lines.front().unmeasured();
-            line.verdict = LineVerdict::not_applicable;
+            line.result = LineState::not_applicable;
             line.note = lines.front().what->not_applicable;
             return std::vector{line};
         }
@@ -184,7 +184,7 @@ class SuiteRun {
                 continue;
             }
             LineResult line = lines[i].unmeasured();
-            line.verdict = LineVerdict::died;
+            line.result = LineState::died;
             line.measured = line.error = NAN;
             line.note = "the process " + death;
             results->push_back(std::move(line));
@@ -212,9 +212,9 @@ class SuiteRun {
 
 }  // namespace
 
-std::size_t SuiteResults::count(LineVerdict verdict) const {
+std::size_t SuiteResults::count(LineState verdict) const {
     return static_cast<std::size_t>(
-        std::count_if(lines.begin(), lines.end(), [&](const LineResult& line) { return line.verdict == verdict; }));
+        std::count_if(lines.begin(), lines.end(), [&](const LineResult& line) { return line.result == verdict; }));
 }
 
 bool is_chosen(const StabilityCase& each, const SuiteOptions& options) {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "experiments/stability/suite/judge_line.h"
+#include "experiments/stability/suite/check_line.h"
 #include "experiments/stability/suite/stability_case.h"
 #include "lpe/result.h"
 
@@ -26,7 +26,7 @@ struct SuiteResults {
     double seconds = 0;
     bool interrupted = false;
 
-    [[nodiscard]] std::size_t count(LineVerdict verdict) const;
+    [[nodiscard]] std::size_t count(LineState result) const;
 };
 
 /// Returns whether the options select a case.

@@ -182,8 +182,8 @@ const Test* median_test(std::vector<const Test*>& tests) {
 
 }  // namespace
 
-BiasVerdict test_bias(const BiasSide& method, const BiasSide& reference, const BiasOptions& options) {
-    BiasVerdict verdict;
+BiasTest test_bias(const BiasSide& method, const BiasSide& reference, const BiasOptions& options) {
+    BiasTest verdict;
     if (method.replicates.size() < 2 && method.variance.empty()) {
         verdict.note = "needs two replicates";
         return verdict;

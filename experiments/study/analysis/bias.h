@@ -11,8 +11,8 @@
 
 #include "experiments/study/analysis/intervals.h"
 #include "experiments/study/results.h"
+#include "lpe/path_strings.h"
 #include "lpe/program.h"
-#include "lpe/words.h"
 
 namespace raylex::experiments {
 
@@ -50,7 +50,7 @@ struct BiasOptions {
     double rounding = 1e-6;
 };
 
-struct BiasVerdict {
+struct BiasTest {
     bool tested = false;
     bool differs = false;
     double worst_p = 1;     ///< p of the most significant test by itself
@@ -75,10 +75,10 @@ struct BiasVerdict {
 /// with quantiles of Student's t for the smaller number of degrees of freedom of the two sides. Blocks that are equal
 /// on both sides and without noise are not tests. A block or image does not reject if most replicates are black in it,
 /// or if all replicates are equal although the reference has noise: then their variance is not that of the method.
-BiasVerdict test_bias(const BiasSide& method, const BiasSide& reference, const BiasOptions& options = {});
+BiasTest test_bias(const BiasSide& method, const BiasSide& reference, const BiasOptions& options = {});
 
 /// A channel with the result of its bias test.
-struct JudgedChannel {
+struct TestedChannel {
     std::string name, expression, dialect;
     bool differs = false;
     double adjusted_p = 1;
@@ -86,17 +86,17 @@ struct JudgedChannel {
 
 /// The shortest paths that show the error of a biased method: paths in a channel that differs and in no channel that
 /// does not.
-struct FirstWords {
-    struct Word {
+struct Counterexamples {
+    struct Counterexample {
         std::string channel, text, sentence;  ///< "C,- R,D L,-"; "camera, diffuse reflection, light"
         std::size_t events = 0;
         double adjusted_p = 1;
     };
-    std::vector<Word> words;  ///< shortest first; ties by significance
+    std::vector<Counterexample> words;  ///< shortest first; ties by significance
     std::vector<std::string> notes;
 };
 /// Finds the shortest paths that show a difference. The caller omits channels that accept every path (the beauty),
 /// which carry no information. A channel that does not parse or is too large becomes a note.
-FirstWords first_differing_words(std::span<const JudgedChannel> channels, const lpe::Words& words = {});
+Counterexamples find_counterexamples(std::span<const TestedChannel> channels, const lpe::PathStrings& words = {});
 
 }  // namespace raylex::experiments

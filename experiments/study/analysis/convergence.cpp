@@ -14,7 +14,7 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 // The reference's noise is subtracted only in expectation; the remainder can change the slope at large budgets by this
 // much.
 constexpr double slope_margin = 0.02;
-constexpr std::size_t fewest_judged_budgets = 3;  // two points lie on a line for any error curve
+constexpr std::size_t fewest_tested_budgets = 3;  // two points lie on a line for any error curve
 constexpr double late_octaves = 2;
 constexpr std::size_t fewest_replicates = 3;  // per budget: their scatter is the only known noise
 constexpr double farthest_octaves = 10;       // a longer extrapolation would be a guess
@@ -188,7 +188,7 @@ struct Trend {
 
 /// Returns nothing if there are too few budgets or replicates to distinguish a start-up from a bias.
 std::optional<Trend> trend_of(const std::vector<const BudgetGroup*>& groups, Against against) {
-    const std::size_t late = std::max(fewest_judged_budgets, last_octaves(groups, against, late_octaves).size());
+    const std::size_t late = std::max(fewest_tested_budgets, last_octaves(groups, against, late_octaves).size());
     if (groups.size() <= late) return std::nullopt;
     const auto shared = groups.end() - static_cast<std::ptrdiff_t>(late);
     const std::optional<Line> before = least_squares({groups.begin(), shared + 1}, against, 0.95),
@@ -229,18 +229,18 @@ std::string slope_text(double slope) {
 
 }  // namespace
 
-SlopeVerdict judge_slope(std::span<const BudgetGroup> groups, bool declared_unbiased) {
-    SlopeVerdict verdict;
+SlopeTest test_slope(std::span<const BudgetGroup> groups, bool declared_unbiased) {
+    SlopeTest verdict;
     verdict.seconds = fit_line(groups, Against::seconds);
     verdict.samples = fit_line(groups, Against::samples);
     const Against against = verdict.samples ? Against::samples : Against::seconds;
-    const std::optional<Line>& line = verdict.judged();
+    const std::optional<Line>& line = verdict.checked();
     if (!line) {
         verdict.text = "unknown: needs two budgets and three replicates in total";
         return verdict;
     }
     const std::vector<const BudgetGroup*> usable = usable_groups(groups, against);
-    if (last_octaves(usable, against, slope_octaves).size() < fewest_judged_budgets) {
+    if (last_octaves(usable, against, slope_octaves).size() < fewest_tested_budgets) {
         verdict.text = "not judged: two budgets determine only the slope between them; three are needed";
         return verdict;
     }

@@ -42,21 +42,21 @@ inline constexpr double slope_octaves = 4;
 std::optional<Line> fit_line(std::span<const BudgetGroup> groups, Against against, double octaves = slope_octaves,
                              double confidence = 0.95);
 
-struct SlopeVerdict {
+struct SlopeTest {
     std::optional<Line> seconds, samples;
     bool too_shallow = false;  ///< declared unbiased, and persistently shallower than -1 at the last octaves
     bool nears = false;        ///< shallower than -1 but approaching it, as in a start-up
     std::string text;          ///< a phrase for the table: "-1 is in the interval", "too shallow: ..."
     /// The line that is judged: against samples if they are known, because times also depend on the load of the
     /// machine.
-    [[nodiscard]] const std::optional<Line>& judged() const { return samples ? samples : seconds; }
+    [[nodiscard]] const std::optional<Line>& checked() const { return samples ? samples : seconds; }
 };
 /// Judges the slope of a method. The error of a method with a start-up (chains that warm up, guides that learn) falls
 /// more slowly at first, and its slope approaches -1 with every octave; the slope of a biased method moves away from
 /// -1. A method is too shallow if its slopes over the last four and the last two octaves are above -0.98, and the
 /// latter is farther from -1 than half of the slope before (all at 95 %) and not closer by a standard error. This needs
 /// four budgets over more than two octaves, with three replicates each.
-SlopeVerdict judge_slope(std::span<const BudgetGroup> groups, bool declared_unbiased);
+SlopeTest test_slope(std::span<const BudgetGroup> groups, bool declared_unbiased);
 
 /// The time at which the relative error (the root of the squared error) is `relative_error`.
 struct TimeToError {

@@ -128,11 +128,11 @@ class ConfigReader {
             scene.location = table.location();
             if (table.require("name", scene.name)) check_short_name(table, "name", scene.name);
             if (table.require("file", scene.job.scene_file)) {
-                scene.job.scene_file = beside_job(config_.file, scene.job.scene_file);
+                scene.job.scene_file = relative_to_job(config_.file, scene.job.scene_file);
                 require_file(table, "file", scene.job.scene_file, "the scene");
             }
             if (table.read("reference", scene.reference_file)) {
-                scene.reference_file = beside_job(config_.file, scene.reference_file);
+                scene.reference_file = relative_to_job(config_.file, scene.reference_file);
                 require_file(table, "reference", scene.reference_file, "the reference image");
             }
             read_setting(table, "render.resolution", scene.job);

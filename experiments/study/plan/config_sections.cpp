@@ -230,7 +230,7 @@ void read_reference(TomlTable& root, ExperimentConfig& config) {
         else root.source().fail(value.error());
     }
     read_timeout(reader, reference.timeout);
-    if (reader.read("cache", reference.cache)) reference.cache = beside_job(config.file, reference.cache);
+    if (reader.read("cache", reference.cache)) reference.cache = relative_to_job(config.file, reference.cache);
     reader.close();
     if (reference.samples == 0 && reference.error == 0)
         root.source().fail(reader.location(),
@@ -247,7 +247,7 @@ void read_regions(TomlTable& root, ExperimentConfig& config) {
             fail_unless(root.source(),
                         require_name("scene", region.scene, scene_names(config), table.location_of("scene")));
         if (table.read("mask", region.mask_file)) {
-            region.mask_file = beside_job(config.file, region.mask_file);
+            region.mask_file = relative_to_job(config.file, region.mask_file);
             require_file(table, "mask", region.mask_file, "the mask");
         }
         if (const toml::node* node = table.take("crop")) {

@@ -21,29 +21,29 @@ std::string file_text(const std::string& text) {
     return result.substr(0, 40);
 }
 
-std::string cell_id(const Cell& cell) {
-    std::string id = cell.scene + "." + cell.method;
-    for (const auto& [key, value] : cell.settings) id += "." + file_text(key) + "=" + file_text(value);
-    return id + "." + budget_text(cell.budget_kind, cell.budget) + ".r" + std::to_string(cell.replicate);
+std::string run_id(const StudyRun& run) {
+    std::string id = run.scene + "." + run.method;
+    for (const auto& [key, value] : run.settings) id += "." + file_text(key) + "=" + file_text(value);
+    return id + "." + budget_text(run.budget_kind, run.budget) + ".r" + std::to_string(run.replicate);
 }
 
 /// Returns a text of everything that distinguishes the cell.
-std::string identity(const Cell& cell) {
-    std::string text = cell.scene + "\n" + cell.method;
-    for (const auto& [key, value] : cell.settings) text += "\n" + key + "=" + value;
-    return text + "\n" + budget_kind_name(cell.budget_kind) + " " + number_text(cell.budget, 17) + "\n" +
-           std::to_string(cell.replicate);
+std::string identity(const StudyRun& run) {
+    std::string text = run.scene + "\n" + run.method;
+    for (const auto& [key, value] : run.settings) text += "\n" + key + "=" + value;
+    return text + "\n" + budget_kind_name(run.budget_kind) + " " + number_text(run.budget, 17) + "\n" +
+           std::to_string(run.replicate);
 }
 
-bool matches(const Exclusion& exclusion, const Cell& cell) {
-    if (!exclusion.scene.empty() && exclusion.scene != cell.scene) return false;
-    if (!exclusion.method.empty() && exclusion.method != cell.method) return false;
-    if (exclusion.kind && *exclusion.kind != cell.budget_kind) return false;
+bool matches(const Exclusion& exclusion, const StudyRun& run) {
+    if (!exclusion.scene.empty() && exclusion.scene != run.scene) return false;
+    if (!exclusion.method.empty() && exclusion.method != run.method) return false;
+    if (exclusion.kind && *exclusion.kind != run.budget_kind) return false;
     if (!exclusion.budgets.empty() &&
-        std::find(exclusion.budgets.begin(), exclusion.budgets.end(), cell.budget) == exclusion.budgets.end())
+        std::find(exclusion.budgets.begin(), exclusion.budgets.end(), run.budget) == exclusion.budgets.end())
         return false;
     return std::all_of(exclusion.settings.begin(), exclusion.settings.end(), [&](const auto& wanted) {
-        return std::any_of(cell.settings.begin(), cell.settings.end(), [&](const auto& setting) {
+        return std::any_of(run.settings.begin(), run.settings.end(), [&](const auto& setting) {
             return setting.first == wanted.first &&
                    std::find(wanted.second.begin(), wanted.second.end(), setting.second) != wanted.second.end();
         });
@@ -113,29 +113,29 @@ Result<Plan> make_plan(const ExperimentConfig& config) {
                 for (std::size_t variant = 0; variant < config.variants.size(); ++variant) {
                     if (!config.variants[variant].planned) continue;
                     const MethodRequest& method = config.methods[config.variants[variant].method];
-                    PlannedCell planned{{}, scene, variant};
-                    Cell& cell = planned.cell;
-                    cell.scene = config.scenes[scene].name;
-                    cell.method = method.name;
-                    cell.settings = config.variants[variant].settings;
-                    cell.budget_kind = budget.kind;
-                    cell.budget = budget.value;
-                    cell.replicate = replicate;
+                    PlannedRun planned{{}, scene, variant};
+                    StudyRun& run = planned.run;
+                    run.scene = config.scenes[scene].name;
+                    run.method = method.name;
+                    run.settings = config.variants[variant].settings;
+                    run.budget_kind = budget.kind;
+                    run.budget = budget.value;
+                    run.replicate = replicate;
                     bool left_out = !refusal(method, budget.kind).empty();
                     for (std::size_t i = 0; i < config.exclusions.size(); ++i)
-                        if (matches(config.exclusions[i], cell)) {
+                        if (matches(config.exclusions[i], run)) {
                             ++excluded[i];
                             left_out = true;
                         }
                     if (left_out) continue;
-                    cell.id = cell_id(cell);
-                    if (!ids.insert(cell.id).second) {
-                        cell.id += "." + hash_text(hash64(identity(cell))).substr(0, 8);
-                        ids.insert(cell.id);
+                    run.id = run_id(run);
+                    if (!ids.insert(run.id).second) {
+                        run.id += "." + hash_text(hash64(identity(run))).substr(0, 8);
+                        ids.insert(run.id);
                     }
-                    cell.seed = seeds.next("cell", identity(cell));
-                    plan.cells.push_back(std::move(planned));
-                    if (plan.cells.size() > most_cells)
+                    run.seed = seeds.next("cell", identity(run));
+                    plan.runs.push_back(std::move(planned));
+                    if (plan.runs.size() > most_cells)
                         return error_at(budget.location,
                                         "the plan has more than 1000000 cells; expected fewer values, methods or "
                                         "replicates");
@@ -144,7 +144,7 @@ Result<Plan> make_plan(const ExperimentConfig& config) {
         if (excluded[i] == 0)
             return error_at(config.exclusions[i].location,
                             "this [[exclude]] matches no cell; expected values that the plan has");
-    if (plan.cells.empty()) return error_at({config.file, 1, 1}, "every cell is excluded; expected at least one");
+    if (plan.runs.empty()) return error_at({config.file, 1, 1}, "every cell is excluded; expected at least one");
     return plan;
 }
 

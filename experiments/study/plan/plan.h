@@ -8,15 +8,15 @@
 
 namespace raylex::experiments {
 
-struct PlannedCell {
-    Cell cell;                           ///< planned values, without results
+struct PlannedRun {
+    StudyRun run;                        ///< planned values, without results
     std::size_t scene = 0, variant = 0;  ///< indices in the config's lists
 };
 
 struct Plan {
     /// Ordered by replicate, then scene, budget and method: compared renders run close together, so a machine that
     /// slows down within an hour affects all methods equally.
-    std::vector<PlannedCell> cells;
+    std::vector<PlannedRun> runs;
     std::vector<std::string> notes;              ///< cells that were left out automatically, and why
     std::vector<std::uint64_t> reference_seeds;  ///< [scene]
 };

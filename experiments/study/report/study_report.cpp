@@ -54,43 +54,44 @@ Status write_paper(const std::string& directory, const Study& study, std::size_t
 
 /// Returns a line with the bias verdicts of a variant in a scene; empty if nothing was tested.
 std::string bias_line(const Study& study, const std::string& scene, const MethodVariant& variant) {
-    std::map<BiasJudgement, std::vector<const BiasEntry*>> found;  // channels in order, the beauty first
+    std::map<BiasConclusion, std::vector<const BiasEntry*>> found;  // channels in order, the beauty first
     for (const BiasEntry& entry : study.bias)
-        if (entry.scene == scene && entry.variant == variant.name) found[entry.judgement()].push_back(&entry);
+        if (entry.scene == scene && entry.variant == variant.name) found[entry.conclusion()].push_back(&entry);
     std::string text;
     const auto add = [&](const std::string& part) {
         text += (text.empty() ? variant.name + " on " + scene + ": " : "; ") + part;
     };
-    if (const auto& wrong = found[BiasJudgement::differs]; !wrong.empty()) {
+    if (const auto& wrong = found[BiasConclusion::differs]; !wrong.empty()) {
         add((variant.unbiased ? "BIASED: it differs from the reference" : "differs from the reference, as declared") +
             std::string(" in ") + wrong.front()->channel + ", by " + finding_of(study, *wrong.front()));
-        if (const FirstWords::Word* word = first_word(study, scene, variant.name))
+        if (const Counterexamples::Counterexample* word = first_counterexample(study, scene, variant.name))
             add("first wrong path " + word->text + ", channel " + word->channel);
-    } else if (const auto& clean = found[BiasJudgement::none_found]; !clean.empty()) {
+    } else if (const auto& clean = found[BiasConclusion::none_found]; !clean.empty()) {
         const BiasEntry& first = *clean.front();
-        add("no bias found; a bias of " + percent_text(first.verdict.detectable_whole) +
+        add("no bias found; a bias of " + percent_text(first.result.detectable_whole) +
             " of the mean would be found with 90 %" +
             (first.against.empty() ? "" : " (compared with " + first.against + ")"));
     }
-    for (const BiasJudgement other : {BiasJudgement::cannot_tell, BiasJudgement::rare, BiasJudgement::not_judged}) {
+    for (const BiasConclusion other :
+         {BiasConclusion::cannot_tell, BiasConclusion::rare, BiasConclusion::omits_paths}) {
         std::vector<std::pair<std::string, std::string>> reasons;  // each with its first verdict and its channels
         std::map<std::string, std::size_t> places;
         for (const BiasEntry* entry : found[other]) {
             const auto [place, added] = places.try_emplace(
-                other == BiasJudgement::cannot_tell ? entry->reason() : std::string(), reasons.size());
-            if (added) reasons.emplace_back(verdict_of(study, *entry), entry->channel);
+                other == BiasConclusion::cannot_tell ? entry->reason() : std::string(), reasons.size());
+            if (added) reasons.emplace_back(result_of(study, *entry), entry->channel);
             else reasons[place->second].second += ", " + entry->channel;
         }
-        for (const auto& [verdict, channels] : reasons) add(verdict + " (" + channels + ")");
+        for (const auto& [result, channels] : reasons) add(result + " (" + channels + ")");
     }
     return text;
 }
 
 /// Prints all verdicts of a small study. For a large one, prints those against methods declared unbiased, and the
 /// number of others.
-void print_verdicts(const Study& study) {
+void print_results(const Study& study) {
     constexpr std::size_t most_lines = 12;
-    const std::vector<std::string> lines = verdict_lines(study);
+    const std::vector<std::string> lines = result_lines(study);
     std::size_t kept_back = 0;
     for (const std::string& line : lines)
         if (lines.size() <= most_lines || line.find(": BIASED: ") != std::string::npos) print_line(line);
@@ -118,13 +119,13 @@ void print_effects(const Study& study) {
 /// measured.
 std::pair<Experiment, std::size_t> without_damage(Experiment experiment) {
     std::size_t count = 0;
-    for (Cell& cell : experiment.cells) {
-        const std::string damage = damage_of(cell);
+    for (StudyRun& run : experiment.runs) {
+        const std::string damage = damage_of(run);
         if (damage.empty()) continue;
         ++count;
-        print_warning("cell '" + cell.id + "' is damaged and is left out: " + damage);
-        cell.failed = true;
-        cell.failure = "damaged: " + damage;
+        print_warning("cell '" + run.id + "' is damaged and is left out: " + damage);
+        run.failed = true;
+        run.failure = "damaged: " + damage;
     }
     for (SceneInfo& scene : experiment.scenes) {
         if (scene.reference.empty()) continue;
@@ -140,7 +141,7 @@ std::pair<Experiment, std::size_t> without_damage(Experiment experiment) {
 
 }  // namespace
 
-std::vector<std::string> verdict_lines(const Study& study) {
+std::vector<std::string> result_lines(const Study& study) {
     std::vector<std::string> lines;
     for (const SceneInfo& scene : study.experiment->scenes)
         for (const MethodVariant& variant : study.variants)
@@ -183,7 +184,7 @@ int write_study_report(const Experiment& as_read, const StudyReportOptions& opti
         for (const MethodComparison& each : study->comparisons)
             print_line(each.scene + ": " + best_sentence(*study, each));
     print_effects(*study);
-    print_verdicts(*study);
+    print_results(*study);
     return damaged > 0 ? exit_bad_input : exit_holds;
 }
 

@@ -20,7 +20,7 @@ struct StudyReportOptions {
 struct Study;
 /// Returns the bias verdict of every variant on every scene where something was tested: "path on room: no bias found;
 /// ...".
-std::vector<std::string> verdict_lines(const Study& study);
+std::vector<std::string> result_lines(const Study& study);
 
 /// Measures every cell against its scene's reference and writes the files atomically. Prints the names of the files,
 /// and warnings about everything that could not be judged. Returns an exit code: 0 written; 2 bad input, a file that

@@ -8,8 +8,8 @@
 #include "display/services/parameters.h"
 #include "experiments/study/file_records.h"
 #include "experiments/study/results_file.h"
-#include "experiments/study/run/cells/cell_closer.h"
-#include "experiments/study/run/cells/cell_parts.h"
+#include "experiments/study/run/cells/run_closer.h"
+#include "experiments/study/run/cells/run_parts.h"
 
 namespace raylex::experiments {
 namespace {
@@ -37,10 +37,10 @@ Status check_one_experiment(const Experiment& first, const Experiment& other) {
 
 /// Checks that no result is damaged.
 Status check_files(const Experiment& experiment) {
-    for (const auto* list : {&experiment.cells, &experiment.parts})
-        for (const Cell& cell : *list)
-            if (const std::string damage = damage_of(cell); !damage.empty())
-                return merge_error(experiment.directory, "cell '" + cell.id + "' is damaged: " + damage,
+    for (const auto* list : {&experiment.runs, &experiment.parts})
+        for (const StudyRun& run : *list)
+            if (const std::string damage = damage_of(run); !damage.empty())
+                return merge_error(experiment.directory, "cell '" + run.id + "' is damaged: " + damage,
                                    "'raylex experiment resume' in that directory renders it again");
     for (const SceneInfo& scene : experiment.scenes)
         if (!scene.reference.empty())
@@ -54,8 +54,8 @@ Status check_files(const Experiment& experiment) {
 /// Returns a sort key for directories: their first cells. The order does not depend on the command line.
 std::string order_key(const Experiment& experiment) {
     std::string key;
-    for (const auto* list : {&experiment.cells, &experiment.parts})
-        for (const Cell& each : *list) key += each.id + (each.failed ? "!" : "") + "\n";
+    for (const auto* list : {&experiment.runs, &experiment.parts})
+        for (const StudyRun& each : *list) key += each.id + (each.failed ? "!" : "") + "\n";
     return key;
 }
 
@@ -98,30 +98,30 @@ Status merge_references(const std::vector<Experiment>& experiments, Experiment& 
 
 /// Returns the parts of cells that no directory has complete, by cell. A failed part counts only if no directory has it
 /// finished.
-Result<std::map<std::string, std::vector<const Cell*>>> parts_of(const std::vector<Experiment>& experiments,
-                                                                 const std::map<std::string, const Cell*>& cells) {
-    std::map<std::string, std::vector<const Cell*>> parts;
+Result<std::map<std::string, std::vector<const StudyRun*>>> parts_of(
+    const std::vector<Experiment>& experiments, const std::map<std::string, const StudyRun*>& runs) {
+    std::map<std::string, std::vector<const StudyRun*>> parts;
     std::set<std::string> done;
     for (const Experiment& each : experiments)
-        for (const Cell& part : each.parts)
+        for (const StudyRun& part : each.parts)
             if (!part.failed) done.insert(part.id);
     for (const Experiment& each : experiments)
-        for (const Cell& part : each.parts) {
-            if (const auto whole = cells.find(part.part_of); whole != cells.end() && !whole->second->failed)
+        for (const StudyRun& part : each.parts) {
+            if (const auto whole = runs.find(part.part_of); whole != runs.end() && !whole->second->failed)
                 return merge_error(
                     each.directory,
                     "part '" + part.id + "' is here, but its cell is finished in '" + whole->second->directory + "'",
                     "every sample may occur once; leave out one of the two, or remove it");
-            std::vector<const Cell*>& list = parts[part.part_of];
+            std::vector<const StudyRun*>& list = parts[part.part_of];
             const bool listed =
-                std::any_of(list.begin(), list.end(), [&](const Cell* known) { return known->id == part.id; });
+                std::any_of(list.begin(), list.end(), [&](const StudyRun* known) { return known->id == part.id; });
             if (!part.failed || !(done.contains(part.id) || listed)) list.push_back(&part);
         }
     for (auto& [id, list] : parts) {
         const auto& planned = experiments.front().planned;
-        const auto cell =
-            std::find_if(planned.begin(), planned.end(), [&, &name = id](const Cell& each) { return each.id == name; });
-        if (Status s = check_parts(*cell, list); !s) return s.error();
+        const auto run = std::find_if(planned.begin(), planned.end(),
+                                      [&, &name = id](const StudyRun& each) { return each.id == name; });
+        if (Status s = check_parts(*run, list); !s) return s.error();
     }
     return parts;
 }
@@ -149,48 +149,47 @@ Status check_one_program(const std::vector<Experiment>& experiments) {
 }
 
 /// Writes a cell merged from its parts, under its partial name until it is complete.
-Status write_merged_cell(const std::string& output, Cell cell, const std::vector<const Cell*>& parts) {
-    if (cell.failed) {
+Status write_merged_run(const std::string& output, StudyRun run, const std::vector<const StudyRun*>& parts) {
+    if (run.failed) {
         std::error_code failed;
         fs::create_directories(output + "/failed", failed);
-        return write_cell_file(failed_file(output, cell.id), cell);
+        return write_run_file(failed_file(output, run.id), run);
     }
-    const std::string partial = partial_directory(output, cell.id);
+    const std::string partial = partial_directory(output, run.id);
     std::error_code failed;
     fs::create_directories(partial, failed);
     if (failed) return merge_error(partial, "cannot make this directory: " + failed.message());
-    auto splits = write_merged_files(partial, cell, parts);
+    auto splits = write_merged_files(partial, run, parts);
     if (!splits) return splits.error();
-    cell.splits = std::move(*splits);
-    return close_cell_directory({cell, partial, cell_directory(output, cell.id), {}});
+    run.splits = std::move(*splits);
+    return close_run_directory({run, partial, run_directory(output, run.id), {}});
 }
 
 /// All cells, each once; a finished cell takes precedence over a failed one.
-struct MergedCells {
-    std::map<std::string, const Cell*> cells;
+struct MergedRuns {
+    std::map<std::string, const StudyRun*> runs;
     std::map<std::string, std::string> from;  ///< cell -> results directory
 };
 
-Result<MergedCells> cells_of(const std::vector<Experiment>& experiments) {
-    MergedCells merged;
+Result<MergedRuns> cells_of(const std::vector<Experiment>& experiments) {
+    MergedRuns merged;
     for (const Experiment& each : experiments)
-        for (const Cell& cell : each.cells) {
-            const auto [known, is_new] = merged.cells.emplace(cell.id, &cell);
+        for (const StudyRun& run : each.runs) {
+            const auto [known, is_new] = merged.runs.emplace(run.id, &run);
             if (is_new || known->second->failed) {
-                known->second = &cell;
-                merged.from[cell.id] = each.directory;
-            } else if (!cell.failed) {
+                known->second = &run;
+                merged.from[run.id] = each.directory;
+            } else if (!run.failed) {
                 return merge_error(
-                    each.directory,
-                    "cell '" + cell.id + "' is finished here and also in '" + merged.from[cell.id] + "'",
+                    each.directory, "cell '" + run.id + "' is finished here and also in '" + merged.from[run.id] + "'",
                     "every cell may occur once; leave out one of the two directories, or remove the cell from one");
             }
         }
     std::map<std::uint64_t, std::string> seeds;
-    for (const auto& [id, cell] : merged.cells)
-        if (const auto [known, is_new] = seeds.emplace(cell->seed, id); !is_new)
+    for (const auto& [id, run] : merged.runs)
+        if (const auto [known, is_new] = seeds.emplace(run->seed, id); !is_new)
             return merge_error(merged.from[id], "cells '" + id + "' and '" + known->second + "' have the same seed " +
-                                                    std::to_string(cell->seed) +
+                                                    std::to_string(run->seed) +
                                                     ", so they are not independent renders");
     return merged;
 }
@@ -227,26 +226,26 @@ Result<MergeOutcome> merge_experiments(const std::vector<std::string>& directori
                      [](const Experiment& a, const Experiment& b) { return order_key(a) < order_key(b); });
     auto taken = cells_of(experiments);
     if (!taken) return taken.error();
-    auto& [cells, from] = *taken;
+    auto& [runs, from] = *taken;
     if (Status s = check_one_program(experiments); !s) return s.error();
-    auto parts = parts_of(experiments, cells);
+    auto parts = parts_of(experiments, runs);
     if (!parts) return parts.error();
     Experiment merged = description_of_all(experiments, output);
     if (Status s = merge_references(experiments, merged); !s) return s.error();
     MergeOutcome outcome;
-    for (const auto& [id, cell] : cells) {
+    for (const auto& [id, run] : runs) {
         if (parts->contains(id)) continue;  // it failed as a whole
-        const std::string source = cell->failed ? failed_file(from[id], id) : cell_directory(from[id], id);
-        if (Status s = copy(source, cell->failed ? failed_file(output, id) : cell_directory(output, id)); !s)
+        const std::string source = run->failed ? failed_file(from[id], id) : run_directory(from[id], id);
+        if (Status s = copy(source, run->failed ? failed_file(output, id) : run_directory(output, id)); !s)
             return s.error();
-        ++(cell->failed ? outcome.failed : outcome.done);
+        ++(run->failed ? outcome.failed : outcome.done);
     }
     for (const auto& [id, list] : *parts) {
         const auto planned = std::find_if(merged.planned.begin(), merged.planned.end(),
-                                          [&, &name = id](const Cell& each) { return each.id == name; });
-        const Cell cell = merged_cell(*planned, list);
-        if (Status s = write_merged_cell(output, cell, list); !s) return s.error();
-        ++(cell.failed ? outcome.failed : outcome.done);
+                                          [&, &name = id](const StudyRun& each) { return each.id == name; });
+        const StudyRun run = merged_run(*planned, list);
+        if (Status s = write_merged_run(output, run, list); !s) return s.error();
+        ++(run.failed ? outcome.failed : outcome.done);
     }
     fs::create_directories(output, failed);
     // Written last: without it the directory is not a results directory, so an interrupted merge is noticed.

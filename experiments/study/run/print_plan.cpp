@@ -6,11 +6,11 @@
 
 #include "display/buffer/frame_buffer/memory_estimate.h"
 #include "experiments/program/console.h"
-#include "experiments/study/run/cells/cell_parts.h"
+#include "experiments/study/run/cells/run_parts.h"
 #include "experiments/study/run/run_progress.h"
 #include "experiments/study/run/runner.h"
-#include "experiments/study/run/workers/cell_worker.h"
 #include "experiments/study/run/workers/estimates.h"
+#include "experiments/study/run/workers/run_worker.h"
 #include "transport/render/clock.h"
 
 namespace raylex::experiments {
@@ -23,9 +23,9 @@ struct Survey {
     std::uint64_t largest = 0;  ///< bytes of a frame buffer
 };
 
-Survey survey(const Plan& plan, CellWorker& worker, const std::atomic<bool>* stop) {
+Survey survey(const Plan& plan, RunWorker& worker, const std::atomic<bool>* stop) {
     Survey result;
-    for (const PlannedCell& each : plan.cells) {
+    for (const PlannedRun& each : plan.runs) {
         if (stop != nullptr && stop->load()) break;
         if (!result.seen.emplace(each.scene, each.variant).second || result.broken.contains(each.scene)) continue;
         auto bytes = worker.frame_buffer_bytes(each.scene, each.variant);
@@ -68,7 +68,7 @@ Status print_plan(const ExperimentConfig& config, const std::string& directory, 
                   const std::atomic<bool>* stop) {
     auto plan = make_plan(config);
     if (!plan) return plan.error();
-    CellWorker worker(config, *plan, directory, stop, true);
+    RunWorker worker(config, *plan, directory, stop, true);
     Estimates estimates(config);
     const auto [seen, broken, largest] = survey(*plan, worker, stop);
     if (stop != nullptr && stop->load()) return success();
@@ -81,28 +81,28 @@ Status print_plan(const ExperimentConfig& config, const std::string& directory, 
     const double measured = watch.wall();
     double total = 0;
     std::size_t unknown = 0, count = 0;
-    WorkList work = split_cells(
+    WorkList work = split_runs(
         config, *plan, [&](std::size_t scene, std::size_t variant) { return worker.reason_to_keep(scene, variant); },
-        shard.split_cells);
+        shard.split_runs);
     for (std::size_t i = 0; i < work.items.size(); ++i) {
         if (!shard.has(i)) continue;
         ++count;
-        const PlannedCell& each = work.items[i];
+        const PlannedRun& each = work.items[i];
         if (broken.contains(each.scene)) {
-            print_line(each.cell.id + "  FAILS: its scene cannot be rendered");
+            print_line(each.run.id + "  FAILS: its scene cannot be rendered");
             continue;
         }
         const auto seconds = estimates.seconds(each);
         if (seconds) total += *seconds;
         else ++unknown;
-        print_line(each.cell.id + "  seed " + std::to_string(each.cell.seed) + "  " +
+        print_line(each.run.id + "  seed " + std::to_string(each.run.seed) + "  " +
                    (seconds ? "about " + duration_text(*seconds) : std::string("time unknown")));
     }
     for (const auto* notes : {&plan->notes, &work.notes})
         for (const std::string& note : *notes) print_line("note: " + note);
     for (const std::string& warning : warnings) print_line("warning: " + warning);
-    print_line((shard.split_cells > 1 ? counted(count, "cell or part of one", "cells and parts of cells")
-                                      : counted(count, "cell")) +
+    print_line((shard.split_runs > 1 ? counted(count, "cell or part of one", "cells and parts of cells")
+                                     : counted(count, "cell")) +
                (shard.parts > 1 ? " of " + std::to_string(work.items.size()) : "") + ": " +
                counted(config.scenes.size(), "scene") + ", " +
                counted(seen.size(), "pair of scene and settings", "pairs of scene and settings") + ", " +

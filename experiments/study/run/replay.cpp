@@ -11,8 +11,8 @@
 #include "display/services/parameters.h"
 #include "experiments/study/file_records.h"
 #include "experiments/study/results_file.h"
-#include "experiments/study/run/cells/cell_files.h"
-#include "experiments/study/run/cells/cell_runner.h"
+#include "experiments/study/run/cells/run_files.h"
+#include "experiments/study/run/cells/run_renderer.h"
 #include "experiments/study/run/results_state.h"
 #include "experiments/study/run/runner.h"
 
@@ -63,7 +63,7 @@ Result<bool> same_pixels(const std::string& a, const std::string& b) {
 }
 
 /// Compares the arrays and the image of the new render with those of the cell.
-Status compare_files(const Cell& cell, const Rendered& again, const JobScene& scene, ReplayOutcome& outcome) {
+Status compare_files(const StudyRun& run, const Rendered& again, const JobScene& scene, ReplayOutcome& outcome) {
     const TemporaryFolder folder;
     if (folder.path.empty()) return error_at({}, "cannot make a temporary folder; expected room in $TMPDIR");
     auto written = write_render_files(folder.path, again, scene, {});
@@ -73,7 +73,7 @@ Status compare_files(const Cell& cell, const Rendered& again, const JobScene& sc
         names.push_back(each.path().filename().string());
     std::sort(names.begin(), names.end());
     for (const std::string& name : names) {
-        const std::string before = cell.directory + "/" + name, now = folder.path + "/" + name;
+        const std::string before = run.directory + "/" + name, now = folder.path + "/" + name;
         bool same = true;
         if (name == "record.bin") continue;  // its sums are equal; it also contains its origin
         if (!fs::exists(before)) {
@@ -98,36 +98,36 @@ Status compare_files(const Cell& cell, const Rendered& again, const JobScene& sc
 
 }  // namespace
 
-Result<ReplayOutcome> replay_cell(ExperimentConfig config, const std::string& directory, const std::string& id,
-                                  const std::atomic<bool>* stop) {
+Result<ReplayOutcome> replay_run(ExperimentConfig config, const std::string& directory, const std::string& id,
+                                 const std::atomic<bool>* stop) {
     auto results = read_experiment(directory);
     if (!results) return results.error();
     if (Status same = check_same_config(*results, config); !same) return same.error();
     std::vector<std::string> ids;
-    for (const Cell& each : results->cells) ids.push_back(each.id);
-    const auto cell =
-        std::find_if(results->cells.begin(), results->cells.end(), [&](const Cell& each) { return each.id == id; });
-    if (cell == results->cells.end()) {
+    for (const StudyRun& each : results->runs) ids.push_back(each.id);
+    const auto run =
+        std::find_if(results->runs.begin(), results->runs.end(), [&](const StudyRun& each) { return each.id == id; });
+    if (run == results->runs.end()) {
         return directory_error(directory, "unknown cell '" + id + "'; cells/ has the finished cells",
                                near_miss(id, ids));
     }
     auto plan = make_plan(config);
     if (!plan) return plan.error();
-    const auto planned = std::find_if(plan->cells.begin(), plan->cells.end(),
-                                      [&](const PlannedCell& each) { return each.cell.id == id; });
-    if (cell->failed)
+    const auto planned =
+        std::find_if(plan->runs.begin(), plan->runs.end(), [&](const PlannedRun& each) { return each.run.id == id; });
+    if (run->failed)
         return directory_error(failed_file(directory, id), "this cell failed, so there is nothing to compare with");
-    if (planned == plan->cells.end()) return directory_error(directory, "the config plans no cell '" + id + "'");
+    if (planned == plan->runs.end()) return directory_error(directory, "the config plans no cell '" + id + "'");
     if (!config.methods[config.variants[planned->variant].method].command.empty())
-        return directory_error(cell->directory, "this cell comes from an external renderer, whose bits may differ");
+        return directory_error(run->directory, "this cell comes from an external renderer, whose bits may differ");
     ReplayOutcome outcome;
-    outcome.difference = damage_of(*cell);
+    outcome.difference = damage_of(*run);
     if (!outcome.difference.empty()) return outcome;
-    auto record = read_record(cell->directory);
+    auto record = read_record(run->directory);
     if (!record) return record.error();
-    config.base.settings.machine.isa = cell->isa;
+    config.base.settings.machine.isa = run->isa;
     SceneStore scenes(config);
-    auto again = render_again({config, *plan, scenes, directory, {}, stop}, *planned, *cell);
+    auto again = render_again({config, *plan, scenes, directory, {}, stop}, *planned, *run);
     if (!again) return again.error();
     if (!again->output.samples.complete) return outcome;
     outcome.difference = record->difference_from(again->output.frame_buffer);
@@ -139,14 +139,14 @@ Result<ReplayOutcome> replay_cell(ExperimentConfig config, const std::string& di
         outcome.difference = "record.bin: the sums of its pixels";
         for (const SceneInfo& each : results->scenes)
             if (auto scene = scenes.scene(planned->scene);
-                each.name == cell->scene && scene && (*scene)->hash != each.hash)
+                each.name == run->scene && scene && (*scene)->hash != each.hash)
                 outcome.difference += "; the scene's files have changed since";
         return outcome;
     }
     outcome.compared = {"record.bin"};
     auto scene = scenes.scene(planned->scene, config.variants[planned->variant].effects);
     if (!scene) return scene.error();
-    if (Status s = compare_files(*cell, *again, *(*scene)->loaded, outcome); !s) return s.error();
+    if (Status s = compare_files(*run, *again, *(*scene)->loaded, outcome); !s) return s.error();
     outcome.same = outcome.difference.empty();
     return outcome;
 }

@@ -64,47 +64,47 @@ Result<std::optional<Experiment>> earlier_results(const ExperimentConfig& config
     auto results = read_experiment(directory);
     if (!results) return results.error();
     if (Status same = check_same_config(*results, config); !same) return same.error();
-    if (!request.resume && !(results->cells.empty() && results->parts.empty()))
+    if (!request.resume && !(results->runs.empty() && results->parts.empty()))
         return directory_error(
             directory,
-            "there are " + std::to_string(results->cells.size() + results->parts.size()) +
+            "there are " + std::to_string(results->runs.size() + results->parts.size()) +
                 " finished cells of this config already",
             "'raylex experiment resume' continues; to start again, remove the directory or choose another");
     std::set<std::string> items, settled;
-    for (const PlannedCell& each : work.items) items.insert(each.cell.id);
-    for (const Cell& each : results->parts) {
+    for (const PlannedRun& each : work.items) items.insert(each.run.id);
+    for (const StudyRun& each : results->parts) {
         settled.insert(each.id);
         if (!items.contains(each.id))
             return directory_error(directory, "part '" + each.id + "' does not belong to this run",
                                    "use the --split-cells of the earlier run, or choose another directory with -o");
     }
-    for (const Cell& each : results->cells) settled.insert(each.id);
+    for (const StudyRun& each : results->runs) settled.insert(each.id);
     for (const std::string& id : items)
-        if (const std::string cell = cell_directory(directory, id); !settled.contains(id) && fs::exists(cell, failed))
-            return directory_error(cell, "this cell is incomplete: it has no cell.json",
+        if (const std::string run = run_directory(directory, id); !settled.contains(id) && fs::exists(run, failed))
+            return directory_error(run, "this cell is incomplete: it has no cell.json",
                                    "remove this directory, so that the cell is rendered again; all others are kept");
     return std::optional(std::move(*results));
 }
 
 Status set_damaged_aside(Experiment& results) {
-    for (auto* list : {&results.cells, &results.parts})
-        for (auto cell = list->begin(); cell != list->end();) {
-            const std::string damage = damage_of(*cell);
+    for (auto* list : {&results.runs, &results.parts})
+        for (auto run = list->begin(); run != list->end();) {
+            const std::string damage = damage_of(*run);
             if (damage.empty()) {
-                ++cell;
+                ++run;
                 continue;
             }
-            print_warning("cell '" + cell->id + "' is damaged and is rendered again: " + damage);
-            const std::string aside = results.directory + "/damaged/" + cell->id;
+            print_warning("cell '" + run->id + "' is damaged and is rendered again: " + damage);
+            const std::string aside = results.directory + "/damaged/" + run->id;
             std::error_code failed;
             fs::create_directories(results.directory + "/damaged", failed);
             fs::remove_all(aside, failed);
-            fs::rename(cell->directory, aside, failed);
+            fs::rename(run->directory, aside, failed);
             if (failed)
-                return directory_error(cell->directory,
+                return directory_error(run->directory,
                                        "cannot move this damaged cell to '" + aside + "': " + failed.message());
-            results.missing.push_back(cell->id);
-            cell = list->erase(cell);
+            results.missing.push_back(run->id);
+            run = list->erase(run);
         }
     return success();
 }

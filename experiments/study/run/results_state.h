@@ -6,7 +6,7 @@
 
 #include "experiments/study/plan/config.h"
 #include "experiments/study/results.h"
-#include "experiments/study/run/cells/cell_parts.h"
+#include "experiments/study/run/cells/run_parts.h"
 #include "experiments/study/run/runner.h"
 #include "lpe/result.h"
 

@@ -14,7 +14,7 @@ static void visit_fields(auto visit, RunMark& mark) {
     visit("config", mark.config_hash);
     visit("shard", mark.shard.part);
     visit("shards", mark.shard.parts);
-    visit("split_cells", mark.shard.split_cells);
+    visit("split_cells", mark.shard.split_runs);
     visit("only_references", mark.only_references);
     visit("done", mark.done);
     visit("failed", mark.failed);

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <string>
 
-#include "experiments/study/run/cells/cell_runner.h"
+#include "experiments/study/run/cells/run_renderer.h"
 
 namespace raylex::experiments {
 

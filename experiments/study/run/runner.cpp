@@ -14,13 +14,13 @@
 #include "experiments/job/rendering/provenance.h"
 #include "experiments/program/console.h"
 #include "experiments/study/results_file.h"
-#include "experiments/study/run/cells/cell_parts.h"
 #include "experiments/study/run/cells/method_settings.h"
+#include "experiments/study/run/cells/run_parts.h"
 #include "experiments/study/run/results_state.h"
 #include "experiments/study/run/run_marks.h"
 #include "experiments/study/run/run_progress.h"
-#include "experiments/study/run/workers/cell_worker.h"
 #include "experiments/study/run/workers/estimates.h"
+#include "experiments/study/run/workers/run_worker.h"
 #include "transport/render/clock.h"
 
 namespace raylex::experiments {
@@ -55,7 +55,7 @@ class Run {
 
     Result<RunOutcome> run() {
         for (Status (Run::*step)() :
-             {&Run::open, &Run::describe, &Run::warm_up, &Run::make_references, &Run::run_cells}) {
+             {&Run::open, &Run::describe, &Run::warm_up, &Run::make_references, &Run::run_all}) {
             if (Status s = (this->*step)(); !s) return s.error();
             if (stopped()) break;
         }
@@ -68,10 +68,10 @@ class Run {
         auto plan = make_plan(config_);
         if (!plan) return plan.error();
         plan_ = std::move(*plan);
-        work_ = split_cells(
+        work_ = split_runs(
             config_, plan_,
             [this](std::size_t scene, std::size_t variant) { return worker_.reason_to_keep(scene, variant); },
-            request_.shard.split_cells);
+            request_.shard.split_runs);
         auto earlier = earlier_results(config_, request_, work_);
         if (!earlier) return earlier.error();
         earlier_ = std::move(*earlier);
@@ -109,7 +109,7 @@ class Run {
                         print_warning("earlier results have another " + name + ": " + before +
                                       "; times are not comparable");
         }
-        for (const PlannedCell& each : plan_.cells) experiment_.planned.push_back(each.cell);
+        for (const PlannedRun& each : plan_.runs) experiment_.planned.push_back(each.run);
         for (const MethodRequest& each : config_.methods) {
             const std::string integrator = each.settings.paths.integrator ? each.settings.paths.integrator->type : "";
             experiment_.methods.push_back(
@@ -132,12 +132,12 @@ class Run {
     }
 
     Status describe_scene(std::size_t index) {
-        const auto planned = std::find_if(plan_.cells.begin(), plan_.cells.end(),
-                                          [&](const PlannedCell& each) { return each.scene == index; });
+        const auto planned = std::find_if(plan_.runs.begin(), plan_.runs.end(),
+                                          [&](const PlannedRun& each) { return each.scene == index; });
         SceneInfo info;
         info.name = config_.scenes[index].name;
         info.file = fs::absolute(config_.scenes[index].job.scene_file).lexically_normal().string();
-        auto facts = worker_.describe(index, planned != plan_.cells.end() ? planned->variant : 0);
+        auto facts = worker_.describe(index, planned != plan_.runs.end() ? planned->variant : 0);
         if (!facts) {
             if (!stopped()) broken_.emplace(index, facts.error());
             if (earlier_)
@@ -190,15 +190,15 @@ class Run {
 
     [[nodiscard]] bool measures_seconds() const {
         if (request_.only_references) return false;
-        return std::any_of(work_.items.begin(), work_.items.end(), [&](const PlannedCell& each) {
-            return each.cell.budget_kind == BudgetKind::seconds &&
+        return std::any_of(work_.items.begin(), work_.items.end(), [&](const PlannedRun& each) {
+            return each.run.budget_kind == BudgetKind::seconds &&
                    request_.shard.has(static_cast<std::size_t>(&each - work_.items.data()));
         });
     }
 
     Status make_references() {
         for (std::size_t i = 0; i < experiment_.scenes.size(); ++i) {
-            const bool wanted = std::any_of(work_.items.begin(), work_.items.end(), [&](const PlannedCell& each) {
+            const bool wanted = std::any_of(work_.items.begin(), work_.items.end(), [&](const PlannedRun& each) {
                 return each.scene == i && request_.shard.has(static_cast<std::size_t>(&each - work_.items.data()));
             });
             if (!wanted || broken_.contains(i)) continue;
@@ -225,32 +225,32 @@ class Run {
         return write_experiment_files(experiment_);
     }
 
-    [[nodiscard]] bool is_settled(const Cell& cell) const {
+    [[nodiscard]] bool is_settled(const StudyRun& cell) const {
         return settled_.contains(cell.id) || settled_.contains(cell.part_of);
     }
 
-    Status run_cells() {
+    Status run_all() {
         if (request_.only_references) return success();
         if (earlier_)
-            for (const auto* list : {&earlier_->cells, &earlier_->parts})
-                for (const Cell& each : *list)
+            for (const auto* list : {&earlier_->runs, &earlier_->parts})
+                for (const StudyRun& each : *list)
                     if (!each.failed || !request_.retry) settled_.insert(each.id);
         for (std::size_t i = 0; i < work_.items.size(); ++i) {
-            const PlannedCell& planned = work_.items[i];
-            if (!request_.shard.has(i) || is_settled(planned.cell)) continue;
+            const PlannedRun& planned = work_.items[i];
+            if (!request_.shard.has(i) || is_settled(planned.run)) continue;
             const std::string title =
-                "[" + std::to_string(i + 1) + "/" + std::to_string(work_.items.size()) + "] " + planned.cell.id;
+                "[" + std::to_string(i + 1) + "/" + std::to_string(work_.items.size()) + "] " + planned.run.id;
             expect(i + 1);
             progress_.begin(title, left_seconds_, left_unknown_);
             const auto broken = broken_.find(planned.scene);
             auto outcome = broken != broken_.end()
-                               ? record_failure(request_.directory, {planned.cell}, broken->second, true)
-                               : worker_.run_cell(planned, estimates_.seconds_per_sample(planned), draw());
+                               ? record_failure(request_.directory, {planned.run}, broken->second, true)
+                               : worker_.render_run(planned, estimates_.seconds_per_sample(planned), draw());
             if (!outcome) return outcome.error();
             outside_ += outcome->outside_seconds;
             if (outcome->stopped) return success();
-            estimates_.learn(planned, outcome->cell, outcome->relative_error);
-            settled_.insert(planned.cell.id);
+            estimates_.learn(planned, outcome->run, outcome->relative_error);
+            settled_.insert(planned.run.id);
             report(title, *outcome);
             if (stopped()) return success();
         }
@@ -266,7 +266,7 @@ class Run {
         left_seconds_ = 0;
         left_unknown_ = 0;
         for (std::size_t i = from; i < work_.items.size(); ++i) {
-            if (!request_.shard.has(i) || is_settled(work_.items[i].cell)) continue;
+            if (!request_.shard.has(i) || is_settled(work_.items[i].run)) continue;
             const auto seconds = estimates_.seconds(work_.items[i]);
             if (seconds) left_seconds_ += *seconds;
             else ++left_unknown_;
@@ -282,8 +282,8 @@ class Run {
         if (++warnings_[text] == 1) progress_.line("warning: " + (id.empty() ? "" : id + ": ") + text);
     }
 
-    void report(const std::string& title, const CellOutcome& outcome) {
-        const Cell& cell = outcome.cell;
+    void report(const std::string& title, const RenderedRun& outcome) {
+        const StudyRun& cell = outcome.run;
         for (const std::string& each : cell.warnings) warn(each, cell.id);
         if (cell.failed) {
             progress_.line(title + ": FAILED: " + cell.failure);
@@ -293,7 +293,7 @@ class Run {
         if (cell.samples_per_pixel > 0) text += std::to_string(cell.samples_per_pixel) + " spp, ";
         text += duration_text(cell.wall_seconds) + " (" + duration_text(cell.cpu_seconds) + " CPU)";
         if (outcome.relative_error >= 0) text += ", error " + number_text(100 * outcome.relative_error, 2) + " %";
-        for (const PartitionVerdict& each : cell.splits)
+        for (const PartitionResult& each : cell.splits)
             if (!each.holds)
                 text +=
                     "; split '" + each.partition + "' DOES NOT HOLD (" + number_text(each.worst_relative_error) + ")";
@@ -314,12 +314,12 @@ class Run {
         outcome.interrupted = stopped();
         auto results = read_experiment(request_.directory);
         if (!results) return outcome.interrupted ? Result<RunOutcome>(outcome) : Result<RunOutcome>(results.error());
-        for (const Cell& each : results->cells) {
+        for (const StudyRun& each : results->runs) {
             ++(each.failed ? outcome.failed : outcome.done);
             outcome.splits_broken += static_cast<std::size_t>(std::any_of(
-                each.splits.begin(), each.splits.end(), [](const PartitionVerdict& split) { return !split.holds; }));
+                each.splits.begin(), each.splits.end(), [](const PartitionResult& split) { return !split.holds; }));
         }
-        for (const Cell& each : results->parts) ++(each.failed ? outcome.failed : outcome.parts);
+        for (const StudyRun& each : results->parts) ++(each.failed ? outcome.failed : outcome.parts);
         outcome.left = results->missing.size();
         outcome.references_failed = references_failed_;
         summarise(*results, outcome);
@@ -328,12 +328,12 @@ class Run {
 
     void summarise(const Experiment& results, const RunOutcome& outcome) {
         progress_.line(request_.directory + ": " + std::to_string(outcome.done) + " of " +
-                       counted(plan_.cells.size(), "cell") + " done" +
+                       counted(plan_.runs.size(), "cell") + " done" +
                        (outcome.parts > 0 ? ", " + counted(outcome.parts, "part of a cell", "parts of cells") : "") +
                        (outcome.failed > 0 ? ", " + std::to_string(outcome.failed) + " FAILED" : "") +
                        (outcome.left > 0 ? ", " + std::to_string(outcome.left) + " not run yet" : ""));
-        for (const auto* list : {&results.cells, &results.parts})
-            for (const Cell& each : *list)
+        for (const auto* list : {&results.runs, &results.parts})
+            for (const StudyRun& each : *list)
                 if (each.failed) progress_.line("  failed: " + each.id + ": " + each.failure);
         if (outcome.splits_broken > 0)
             progress_.line("  " + counted(outcome.splits_broken, "cell has", "cells have") +
@@ -360,7 +360,7 @@ class Run {
     DirectoryLock lock_;
     Plan plan_;
     WorkList work_;
-    CellWorker worker_;
+    RunWorker worker_;
     Estimates estimates_;
     RunProgress progress_{request_.quiet};
     std::map<std::size_t, Error> broken_;          // scenes that cannot be rendered

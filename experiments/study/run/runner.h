@@ -17,7 +17,7 @@ namespace raylex::experiments {
 /// the shift a shard could always get the slowest or the fastest method.
 struct Shard {
     unsigned part = 1, parts = 1;
-    unsigned split_cells = 1;  ///< number of parts of each cell's samples, where possible: cell_parts.h
+    unsigned split_runs = 1;  ///< number of parts of each cell's samples, where possible: run_parts.h
     [[nodiscard]] bool has(std::size_t index) const { return (index + index / parts) % parts == part - 1; }
 };
 /// Parses a shard: "2/4".
@@ -58,7 +58,7 @@ struct ReplayOutcome {
 };
 /// Checks every file of a finished cell against the checksums in its cell.json. Then renders the cell again with the
 /// same number of samples and compares every bit of its record, its arrays and its image's pixels.
-Result<ReplayOutcome> replay_cell(ExperimentConfig config, const std::string& directory, const std::string& id,
-                                  const std::atomic<bool>* stop);
+Result<ReplayOutcome> replay_run(ExperimentConfig config, const std::string& directory, const std::string& id,
+                                 const std::atomic<bool>* stop);
 
 }  // namespace raylex::experiments

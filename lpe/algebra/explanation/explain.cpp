@@ -47,7 +47,7 @@ std::string prefix_effect(std::string_view prefix) {
 
 /// Events that can occur somewhere in W, regardless of labels and lobe numbers.
 CoreSet occurring_cores(const Study& study) {
-    const WordSets sets = word_sets(study.words, false);
+    const PathStringSets sets = path_string_sets(study.words, false);
     std::array<bool, core_count> letters_seen{};
     for (const EventSet* set : {&sets.camera, &sets.scattering, &sets.straight, &sets.terminal}) {
         for (const EventPattern& pattern : set->any_of) {
@@ -154,7 +154,7 @@ void warn_about_slots(const Study& study, std::vector<std::string>& warnings) {
     }
 }
 
-Explanation explanation_of(const ChannelSource& channel, const Words& words) {
+Explanation explanation_of(const ChannelSource& channel, const PathStrings& words) {
     const Study subject = study(channel, words);
     Explanation result;
     result.dialect = channel.dialect;
@@ -172,7 +172,7 @@ Explanation explanation_of(const ChannelSource& channel, const Words& words) {
     PathTeller teller(events, occurring, *subject.expression.root);
     result.sentence = capitalised(teller.sentence()) + ".";
     result.pieces = teller.pieces();
-    for (const auto& word : sample_words(subject.paths, sample_count)) {
+    for (const auto& word : sample_path_strings(subject.paths, sample_count)) {
         result.samples.push_back(witness_of(word, *subject.languages.classes));
     }
     const bool empty = result.samples.empty();
@@ -190,7 +190,7 @@ Explanation explanation_of(const ChannelSource& channel, const Words& words) {
 
 }  // namespace
 
-Result<Explanation> explain(const ChannelSource& channel, const Words& words) {
+Result<Explanation> explain(const ChannelSource& channel, const PathStrings& words) {
     return guarded([&] { return explanation_of(channel, words); });
 }
 

@@ -9,9 +9,9 @@
 
 #include "lpe/algebra/proofs/check.h"
 #include "lpe/algebra/wording/path_words.h"
+#include "lpe/path_strings.h"
 #include "lpe/program.h"
 #include "lpe/result.h"
-#include "lpe/words.h"
 
 namespace raylex::lpe {
 
@@ -29,6 +29,6 @@ struct Explanation {
 };
 
 /// Errors: the expression does not parse or is too large.
-Result<Explanation> explain(const ChannelSource& channel, const Words& words = {});
+Result<Explanation> explain(const ChannelSource& channel, const PathStrings& words = {});
 
 }  // namespace raylex::lpe

@@ -79,7 +79,7 @@ void notes_on_scattering(const Study& study, std::vector<std::string>& notes) {
     const bool diffuse = study.accepts_some(Feature::diffuse);
     const bool glossy = study.accepts_some(Feature::glossy);
     const bool singular = study.accepts_some(Feature::singular);
-    const bool endless = !longest_word(study.paths).has_value();
+    const bool endless = !longest_path_string(study.paths).has_value();
     if (endless && (diffuse || glossy || singular) && !study.accepts_some(Feature::volume) &&
         study.occurs(Feature::volume)) {
         notes.emplace_back("No path that scatters in a medium (V) matches; V is a separate event, as in [DSV].");

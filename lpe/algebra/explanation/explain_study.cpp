@@ -23,9 +23,9 @@ NodePtr any_number_of(EventSet events) {
 
 /// W extended by user events among the scattering events. The depth limit is dropped: user events do not count towards
 /// it, and this set is used for explanations, not for proofs.
-Expression words_with_users(Words words) {
+Expression path_strings_with_users(PathStrings words) {
     words.max_depth.reset();
-    WordSets sets = word_sets(words, false);
+    PathStringSets sets = path_string_sets(words, false);
     EventPattern users{{}, {}, Missing::is_empty, Extra::ignored};
     for (std::size_t core = core_count - user_numbers; core < core_count; ++core) { users.cores.set(core); }
     sets.scattering.any_of.push_back(std::move(users));
@@ -39,14 +39,14 @@ Expression words_with_users(Words words) {
 }
 
 /// Compiles the channels and W; `users`: W also contains user events.
-Languages with_words(std::vector<ChannelSource>& sources, std::vector<Expression>& expressions, const Words& words,
-                     bool users, bool osl) {
+Languages with_path_strings(std::vector<ChannelSource>& sources, std::vector<Expression>& expressions,
+                            const PathStrings& words, bool users, bool osl) {
     LanguageOptions options;
     options.words = &words;
     options.skip_reserved_labels = osl;
     if (users) {
         sources.emplace_back();
-        expressions.push_back(words_with_users(words));
+        expressions.push_back(path_strings_with_users(words));
     }
     Languages languages = build_languages(sources, expressions, options);
     if (users) {
@@ -58,8 +58,8 @@ Languages with_words(std::vector<ChannelSource>& sources, std::vector<Expression
     return languages;
 }
 
-bool has_word(const Dfa& dfa) {
-    return shortest_word(dfa, is_set).has_value();
+bool has_path_string(const Dfa& dfa) {
+    return shortest_path_string(dfa, is_set).has_value();
 }
 
 struct Known {
@@ -115,7 +115,7 @@ std::optional<std::vector<Feature>> excused_by(const Dfa& difference_words, cons
             shared = difference(shared, study.feature(feature));
         }
         // Equality is meaningless if the scene without these features leaves the channel no path.
-        if (!has_word(left) && has_word(shared)) { best = std::move(features); }
+        if (!has_path_string(left) && has_path_string(shared)) { best = std::move(features); }
     }
     return best;
 }
@@ -129,13 +129,13 @@ std::string where(const std::vector<Feature>& missing) {
 }  // namespace
 
 bool Study::accepts_some(Feature which) const {
-    return has_word(intersection(paths, feature(which)));
+    return has_path_string(intersection(paths, feature(which)));
 }
 bool Study::occurs(Feature which) const {
-    return has_word(intersection(all, feature(which)));
+    return has_path_string(intersection(all, feature(which)));
 }
 
-Study study(const ChannelSource& channel, const Words& words) {
+Study study(const ChannelSource& channel, const PathStrings& words) {
     Study study;
     Result<Expansion> expansion = expand_names(channel);
     if (!expansion) { throw Failure{std::move(expansion).error()}; }
@@ -143,18 +143,19 @@ Study study(const ChannelSource& channel, const Words& words) {
     study.expression = parse(study.source);
     study.expression.warnings.insert(study.expression.warnings.begin(), expansion->warnings.begin(),
                                      expansion->warnings.end());
-    study.words = words_for({&channel, 1}, words);
+    study.words = path_strings_for({&channel, 1}, words);
     study.user_events = names_user_events(*study.expression.root);
     std::vector<ChannelSource> sources{study.source};
     std::vector<Expression> expressions;
     expressions.push_back(std::move(study.expression));
     for (std::size_t k = 0; k < feature_count; ++k) {
         sources.emplace_back();
-        expressions.push_back(words_with(static_cast<Feature>(k)));
+        expressions.push_back(path_strings_with(static_cast<Feature>(k)));
     }
     sources.emplace_back();
     expressions.push_back(letters());
-    study.languages = with_words(sources, expressions, study.words, study.user_events, channel.dialect == Dialect::osl);
+    study.languages =
+        with_path_strings(sources, expressions, study.words, study.user_events, channel.dialect == Dialect::osl);
     study.expression = std::move(expressions.front());
     study.all = *study.languages.words;
     study.paths = intersection(study.all, study.languages.channels.front());
@@ -174,8 +175,10 @@ std::vector<bool> have_paths(const Study& study, std::vector<NodePtr> trees) {
         expressions.back().root = tree ? std::move(tree) : make_node(NodeKind::alternatives);
     }
     const Languages languages =
-        with_words(sources, expressions, study.words, study.user_events, study.source.dialect == Dialect::osl);
-    for (const Dfa& dfa : languages.channels) { answers.push_back(has_word(intersection(*languages.words, dfa))); }
+        with_path_strings(sources, expressions, study.words, study.user_events, study.source.dialect == Dialect::osl);
+    for (const Dfa& dfa : languages.channels) {
+        answers.push_back(has_path_string(intersection(*languages.words, dfa)));
+    }
     return answers;
 }
 
@@ -202,10 +205,11 @@ std::vector<std::string> known_equals(const Study& study, bool& is_beauty) {
     }
     for (std::size_t k = 0; k < feature_count; ++k) {
         sources.emplace_back();
-        expressions.push_back(words_with(static_cast<Feature>(k)));
+        expressions.push_back(path_strings_with(static_cast<Feature>(k)));
     }
     Study beside;
-    beside.languages = with_words(sources, expressions, study.words, false, study.source.dialect == Dialect::osl);
+    beside.languages =
+        with_path_strings(sources, expressions, study.words, false, study.source.dialect == Dialect::osl);
     beside.all = *beside.languages.words;
     beside.paths = intersection(beside.all, beside.languages.channels.front());
     for (std::size_t k = 0; k < feature_count; ++k) {

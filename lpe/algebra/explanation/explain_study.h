@@ -10,15 +10,15 @@
 #include "lpe/algebra/proofs/question.h"
 #include "lpe/algebra/wording/event_words.h"
 #include "lpe/automata/languages.h"
+#include "lpe/path_strings.h"
 #include "lpe/program.h"
-#include "lpe/words.h"
 
 namespace raylex::lpe {
 
 struct Study {
     ChannelSource source;  ///< names are replaced by their definitions
     Expression expression;
-    Words words;               ///< without pass-through events where the expression does not use them as letters
+    PathStrings words;         ///< without pass-through events where the expression does not use them as letters
     bool user_events = false;  ///< the expression uses user events, so W contains them among the scattering events
     Languages languages;
     Dfa all;    ///< W
@@ -31,7 +31,7 @@ struct Study {
 };
 
 /// Parses and compiles the expression. Throws Failure.
-[[nodiscard]] Study study(const ChannelSource& channel, const Words& words);
+[[nodiscard]] Study study(const ChannelSource& channel, const PathStrings& words);
 
 /// For each further tree over the W of `study`: does the tree share a path with the expression? Null trees share none.
 [[nodiscard]] std::vector<bool> have_paths(const Study& study, std::vector<NodePtr> trees);

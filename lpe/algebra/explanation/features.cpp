@@ -39,7 +39,7 @@ NodePtr anything() {
 
 }  // namespace
 
-Expression words_with(Feature feature) {
+Expression path_strings_with(Feature feature) {
     EventSet set{{{{}, {}, Missing::is_empty, Extra::ignored}}, {}};
     for (std::size_t core = 0; core < core_count; ++core) {
         set.any_of.front().cores[core] = has_feature(core_event(core), feature);

@@ -17,6 +17,6 @@ inline constexpr std::array<Feature, 4> optional_features{Feature::volume, Featu
                                                           Feature::straight};
 
 /// All words that contain an event of that kind; pass-through events count as letters.
-[[nodiscard]] Expression words_with(Feature feature);
+[[nodiscard]] Expression path_strings_with(Feature feature);
 
 }  // namespace raylex::lpe

@@ -77,16 +77,16 @@ std::vector<GraphEdge> edges_from(std::uint32_t state, const Dfa& dfa, const Eve
     return edges;
 }
 
-Graph build(std::span<const ChannelSource> channels, const Words& words) {
+Graph build(std::span<const ChannelSource> channels, const PathStrings& words) {
     if (channels.size() > most_outputs) {
         fail("found " + std::to_string(channels.size()) + " channels to draw; expected at most " +
              std::to_string(most_outputs));
     }
-    Words cut = words_for(channels, words);
+    PathStrings cut = path_strings_for(channels, words);
     cut.alphabet.reset();  // the labels of a whole scene would make every edge unreadable
     Question question = pose(channels, cut, nullptr, true);
     const EventClasses& classes = *question.languages.classes;
-    const Dfa& all_words = *question.languages.words;
+    const Dfa& all_path_strings = *question.languages.words;
     const Dfa dfa = together(question.languages, channels.size());
     if (dfa.states() - 1 > limits::graph_states) {
         fail("the automaton has " + std::to_string(dfa.states() - 1) + " states; expected at most " +
@@ -103,11 +103,11 @@ Graph build(std::span<const ChannelSource> channels, const Words& words) {
         osl = osl && channels[k].dialect == Dialect::osl;
         if (question.expressions[k].root) { trees.push_back(question.expressions[k].root.get()); }
     }
-    const std::uint32_t under_way = all_words.step(all_words.start, classes.classify(Event{}));
+    const std::uint32_t under_way = all_path_strings.step(all_path_strings.start, classes.classify(Event{}));
     const EventTeller::Members occurring = [&](const Event& event) {
         const EventClass event_class = classes.classify(event);
-        const bool occurs =
-            all_words.step(all_words.start, event_class) != 0 || all_words.step(under_way, event_class) != 0;
+        const bool occurs = all_path_strings.step(all_path_strings.start, event_class) != 0 ||
+                            all_path_strings.step(under_way, event_class) != 0;
         return occurs ? Membership::in : Membership::never;
     };
     const EventSpace space(trees);
@@ -157,7 +157,7 @@ std::string label_text(const std::vector<std::string>& items) {
 
 }  // namespace
 
-Result<Graph> graph_of(std::span<const ChannelSource> channels, const Words& words) {
+Result<Graph> graph_of(std::span<const ChannelSource> channels, const PathStrings& words) {
     return guarded([&] { return build(channels, words); });
 }
 

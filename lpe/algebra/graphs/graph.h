@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "lpe/path_strings.h"
 #include "lpe/program.h"
 #include "lpe/result.h"
-#include "lpe/words.h"
 
 namespace raylex::lpe {
 
@@ -33,7 +33,7 @@ struct Graph {
 
 /// Only labels that the expressions name are told apart; the alphabet of `words` is ignored. Errors: an expression that
 /// does not parse, more than 32 channels, or more states than limits::graph_states.
-Result<Graph> graph_of(std::span<const ChannelSource> channels, const Words& words = {});
+Result<Graph> graph_of(std::span<const ChannelSource> channels, const PathStrings& words = {});
 
 /// The graph in the DOT language, from which Graphviz makes drawings.
 [[nodiscard]] std::string to_dot(const Graph& graph);

@@ -38,19 +38,20 @@ std::uint32_t violation(std::uint32_t counted_output, bool in_beauty) {
 }
 
 PartitionReport partition_report(std::span<const ChannelSource> channels, const std::optional<ChannelSource>& beauty,
-                                 const Words& words) {
+                                 const PathStrings& words) {
     std::vector<ChannelSource> all(channels.begin(), channels.end());
     if (beauty) { all.push_back(*beauty); }
     Question question = pose(all, words, "a partition");
     const Languages& languages = question.languages;
-    const auto judge = [](void* /*context*/, std::uint32_t n, std::uint32_t b) { return violation(n, b != 0); };
+    const auto run_checks = [](void* /*context*/, std::uint32_t n, std::uint32_t b) { return violation(n, b != 0); };
     const Dfa total = counted(languages, channels.size());
     const Dfa& whole = beauty ? languages.channels.back() : *languages.words;
-    const Dfa violations = required(product(total, whole, {judge, nullptr, false, true}, limits::boolean_states));
+    const Dfa violations = required(product(total, whole, {run_checks, nullptr, false, true}, limits::boolean_states));
     PartitionReport report;
     report.warnings = std::move(question.warnings);
-    const auto word = shortest_word(violations, is_set);
-    const bool all_of_it = !beauty || !shortest_word(difference(*languages.words, languages.channels.back()), is_set);
+    const auto word = shortest_path_string(violations, is_set);
+    const bool all_of_it =
+        !beauty || !shortest_path_string(difference(*languages.words, languages.channels.back()), is_set);
     const std::string of = !beauty ? "the beauty" : "'" + beauty->expression + "'" + (all_of_it ? ", the beauty" : "");
     if (!word) {
         report.summary = std::to_string(channels.size()) + (channels.size() == 1 ? " channel is" : " channels are") +
@@ -63,18 +64,18 @@ PartitionReport partition_report(std::span<const ChannelSource> channels, const 
     for (const EventClass event_class : *word) { state = violations.step(state, event_class); }
     switch (violations.output[state]) {
         case missed_code:
-            report.verdict = Verdict::missed;
+            report.result = SplitProof::missed;
             report.summary = "no channel counts " + in_words(report.witness);
             break;
         case twice_code:
-            report.verdict = Verdict::counted_twice;
+            report.result = SplitProof::counted_twice;
             report.summary = name_list(channels, report.channels) + " all count " + in_words(report.witness);
             if (report.channels.size() == 2) {
                 report.summary = name_list(channels, report.channels) + " both count " + in_words(report.witness);
             }
             break;
         default:
-            report.verdict = Verdict::outside;
+            report.result = SplitProof::outside;
             report.summary = name_list(channels, report.channels) +
                              (report.channels.size() == 1 ? " counts " : " count ") + in_words(report.witness) +
                              ", which " + of + " does not contain";
@@ -82,12 +83,12 @@ PartitionReport partition_report(std::span<const ChannelSource> channels, const 
     return report;
 }
 
-DisjointReport disjoint_report(std::span<const ChannelSource> channels, const Words& words) {
+DisjointReport disjoint_report(std::span<const ChannelSource> channels, const PathStrings& words) {
     Question question = pose(channels, words, "a partition");
     DisjointReport report;
     report.warnings = std::move(question.warnings);
     const Dfa total = counted(question.languages, channels.size());
-    const auto word = shortest_word(total, [](std::uint32_t output) { return output == 3; });
+    const auto word = shortest_path_string(total, [](std::uint32_t output) { return output == 3; });
     if (!word) {
         report.summary = "no path is counted by two of these channels";
         return report;
@@ -103,31 +104,32 @@ DisjointReport disjoint_report(std::span<const ChannelSource> channels, const Wo
 }  // namespace
 
 Result<PartitionReport> check_partition(std::span<const ChannelSource> channels,
-                                        const std::optional<ChannelSource>& beauty, const Words& words) {
+                                        const std::optional<ChannelSource>& beauty, const PathStrings& words) {
     return guarded([&] { return partition_report(channels, beauty, words); });
 }
 
-Result<DisjointReport> check_disjoint(std::span<const ChannelSource> channels, const Words& words) {
+Result<DisjointReport> check_disjoint(std::span<const ChannelSource> channels, const PathStrings& words) {
     return guarded([&] { return disjoint_report(channels, words); });
 }
 
-Result<std::optional<Witness>> find_difference(const ChannelSource& a, const ChannelSource& b, const Words& words) {
+Result<std::optional<Witness>> find_difference(const ChannelSource& a, const ChannelSource& b,
+                                               const PathStrings& words) {
     return guarded([&]() -> std::optional<Witness> {
         const std::vector<ChannelSource> both{a, b};
         const Question question = pose(both, words, nullptr);
         const Languages& languages = question.languages;
         const Dfa different = symmetric_difference(languages.channels[0], languages.channels[1], *languages.words);
-        const auto word = shortest_word(different, is_set);
+        const auto word = shortest_path_string(different, is_set);
         return word ? std::optional<Witness>(witness_of(*word, *languages.classes)) : std::nullopt;
     });
 }
 
-Result<std::optional<Witness>> find_word(const ChannelSource& channel, const Words& words) {
+Result<std::optional<Witness>> find_path_string(const ChannelSource& channel, const PathStrings& words) {
     return guarded([&]() -> std::optional<Witness> {
         const Question question = pose({&channel, 1}, words, nullptr);
         const Languages& languages = question.languages;
         const Dfa inside = intersection(*languages.words, languages.channels[0]);
-        const auto word = shortest_word(inside, is_set);
+        const auto word = shortest_path_string(inside, is_set);
         return word ? std::optional<Witness>(witness_of(*word, *languages.classes)) : std::nullopt;
     });
 }
@@ -140,7 +142,7 @@ Result<std::string> why_no_part(const ChannelSource& channel) {
     return guarded([&] { return what_bars(parse(channel)); });
 }
 
-Result<std::vector<std::string>> expression_warnings(const ChannelSource& channel, const Words& words) {
+Result<std::vector<std::string>> expression_warnings(const ChannelSource& channel, const PathStrings& words) {
     return guarded([&] {
         const Expression expression = parse(channel);
         std::vector<std::string> warnings = expression.warnings;

@@ -1,6 +1,6 @@
 // Proofs about channels: is a set a partition of the beauty, are channels disjoint, are two expressions equal? Each
 // answer is a proof over the whole automaton, or the shortest path that is a counterexample. All answers hold for W
-// (lpe/words.h): paths that no scene can produce never decide anything.
+// (lpe/path_strings.h): paths that no scene can produce never decide anything.
 #pragma once
 
 #include <cstddef>
@@ -11,13 +11,13 @@
 #include <vector>
 
 #include "lpe/event.h"
+#include "lpe/path_strings.h"
 #include "lpe/program.h"
 #include "lpe/result.h"
-#include "lpe/words.h"
 
 namespace raylex::lpe {
 
-enum class Verdict { partition, missed, counted_twice, outside };
+enum class SplitProof { partition, missed, counted_twice, outside };
 
 /// The shortest path that decides a question. Among paths of equal length the one with the simplest events is chosen.
 struct Witness {
@@ -27,7 +27,7 @@ struct Witness {
 };
 
 struct PartitionReport {
-    Verdict verdict = Verdict::partition;
+    SplitProof result = SplitProof::partition;
     Witness witness;                    ///< empty when the verdict is `partition`
     std::vector<std::size_t> channels;  ///< channels that accept the witness: none when missed, two or more when
                                         ///< counted twice
@@ -41,7 +41,7 @@ struct PartitionReport {
 /// prove.
 Result<PartitionReport> check_partition(std::span<const ChannelSource> channels,
                                         const std::optional<ChannelSource>& beauty = std::nullopt,
-                                        const Words& words = {});
+                                        const PathStrings& words = {});
 
 struct DisjointReport {
     bool disjoint = true;
@@ -53,13 +53,14 @@ struct DisjointReport {
 
 /// Checks that no two channels accept a common word of W; the `rest` layer needs this. Errors: those of
 /// check_partition().
-Result<DisjointReport> check_disjoint(std::span<const ChannelSource> channels, const Words& words = {});
+Result<DisjointReport> check_disjoint(std::span<const ChannelSource> channels, const PathStrings& words = {});
 
 /// The shortest word of W that exactly one of the two accepts; nothing when they are equivalent.
-Result<std::optional<Witness>> find_difference(const ChannelSource& a, const ChannelSource& b, const Words& words = {});
+Result<std::optional<Witness>> find_difference(const ChannelSource& a, const ChannelSource& b,
+                                               const PathStrings& words = {});
 
 /// The shortest word of W that the channel accepts; nothing when it can never match.
-Result<std::optional<Witness>> find_word(const ChannelSource& channel, const Words& words = {});
+Result<std::optional<Witness>> find_path_string(const ChannelSource& channel, const PathStrings& words = {});
 
 /// The prefixes ("unoccluded", "noclamp", ...) that the expression carries, in order.
 Result<std::vector<std::string>> expression_prefixes(const ChannelSource& channel);
@@ -70,6 +71,6 @@ Result<std::string> why_no_part(const ChannelSource& channel);
 
 /// Warnings about the reading of the expression: two readings of '|' that differ, with the shortest word that shows it,
 /// and text that the dialect ignores.
-Result<std::vector<std::string>> expression_warnings(const ChannelSource& channel, const Words& words = {});
+Result<std::vector<std::string>> expression_warnings(const ChannelSource& channel, const PathStrings& words = {});
 
 }  // namespace raylex::lpe

@@ -53,7 +53,7 @@ bool meet(const ClassSet& a, const ClassSet& b) {
 }
 
 /// The shortest word that both accept; ties go to the lowest classes. Adds the visited transitions to `steps`.
-std::optional<std::vector<EventClass>> shared_word(const Dfa& a, const Dfa& b, std::size_t& steps) {
+std::optional<std::vector<EventClass>> shared_path_string(const Dfa& a, const Dfa& b, std::size_t& steps) {
     struct Reached {
         std::uint32_t in_a, in_b;
         std::size_t from;
@@ -90,7 +90,7 @@ void find_overlaps(const std::vector<Cut>& cuts, const EventClasses& classes, Ov
             if (!meet(cuts[a].first, cuts[b].first) || !meet(cuts[a].last, cuts[b].last)) { continue; }
             if (steps > most_pair_steps) {
                 ++overview.pairs_left;
-            } else if (const auto word = shared_word(cuts[a].dfa, cuts[b].dfa, steps)) {
+            } else if (const auto word = shared_path_string(cuts[a].dfa, cuts[b].dfa, steps)) {
                 overview.overlaps.push_back({a, b, witness_of(*word, classes)});
             }
         }
@@ -184,11 +184,11 @@ void find_holes(const Dfa& missed, const EventClasses& classes, bool osl, Overvi
 }
 
 Overview overview_of(std::span<const ChannelSource> channels, const std::optional<ChannelSource>& beauty,
-                     const Words& words) {
+                     const PathStrings& words) {
     std::vector<ChannelSource> all(channels.begin(), channels.end());
     if (beauty) { all.push_back(*beauty); }
     Overview overview;
-    const Words world = words_for(all, words);
+    const PathStrings world = path_strings_for(all, words);
     auto posed = guarded([&] { return pose(all, world, "a partition", true); });
     if (!posed) {  // labels times letters can give too many classes; comparing pairs needs no letters
         overview.holes_unknown = posed.error().message;
@@ -206,7 +206,7 @@ Overview overview_of(std::span<const ChannelSource> channels, const std::optiona
         if (cuts[k].dfa.start == 0) {
             overview.empty.push_back(k);
         } else if (beauty) {
-            if (const auto word = shortest_word(difference(cuts[k].dfa, whole), is_set)) {
+            if (const auto word = shortest_path_string(difference(cuts[k].dfa, whole), is_set)) {
                 overview.outside.push_back({k, witness_of(*word, *languages.classes)});
             }
         }
@@ -228,7 +228,7 @@ Overview overview_of(std::span<const ChannelSource> channels, const std::optiona
 }  // namespace
 
 Result<Overview> look_over(std::span<const ChannelSource> channels, const std::optional<ChannelSource>& beauty,
-                           const Words& words) {
+                           const PathStrings& words) {
     return guarded([&] { return overview_of(channels, beauty, words); });
 }
 

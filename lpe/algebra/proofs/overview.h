@@ -43,6 +43,6 @@ struct Overview {
 /// Compares the channels over W. `beauty` is the expression that they split, all of W when absent. Errors: a channel
 /// does not parse, carries prefixes, or is too large by itself.
 Result<Overview> look_over(std::span<const ChannelSource> channels,
-                           const std::optional<ChannelSource>& beauty = std::nullopt, const Words& words = {});
+                           const std::optional<ChannelSource>& beauty = std::nullopt, const PathStrings& words = {});
 
 }  // namespace raylex::lpe

@@ -34,23 +34,23 @@ Dfa made_of(Operation operation, const Languages& languages) {
 
 }  // namespace
 
-Result<PathSet> look_at_paths(Operation operation, std::span<const ChannelSource> channels, const Words& words,
+Result<PathSet> look_at_paths(Operation operation, std::span<const ChannelSource> channels, const PathStrings& words,
                               const PathSetOptions& options) {
     return guarded([&] {
         const bool single = operation == Operation::words || operation == Operation::complement;
         if (channels.empty() || (single && channels.size() > 1)) {
             fail(single ? "expected one channel" : "expected at least one channel");
         }
-        const Words cut = words_for(channels, words);
+        const PathStrings cut = path_strings_for(channels, words);
         Question question = pose(channels, cut, nullptr, true);
         const Dfa paths = made_of(operation, question.languages);
         PathSet set;
         set.warnings = std::move(question.warnings);
-        for (const auto& word : sample_words(paths, options.samples)) {
+        for (const auto& word : sample_path_strings(paths, options.samples)) {
             set.samples.push_back(witness_of(word, *question.languages.classes));
         }
-        set.counts = count_words(paths, options.longest_counted);
-        set.longest = longest_word(paths);
+        set.counts = count_path_strings(paths, options.longest_counted);
+        set.longest = longest_path_string(paths);
         set.states = paths.states() - 1;
         return set;
     });

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "lpe/algebra/proofs/check.h"
+#include "lpe/path_strings.h"
 #include "lpe/program.h"
 #include "lpe/result.h"
-#include "lpe/words.h"
 
 namespace raylex::lpe {
 
@@ -44,7 +44,7 @@ struct PathSet {
 
 /// Evaluates the operation. Errors: an expression does not parse or is too large; no channel, or more than one for
 /// `words` and `complement`.
-Result<PathSet> look_at_paths(Operation operation, std::span<const ChannelSource> channels, const Words& words = {},
-                              const PathSetOptions& options = {});
+Result<PathSet> look_at_paths(Operation operation, std::span<const ChannelSource> channels,
+                              const PathStrings& words = {}, const PathSetOptions& options = {});
 
 }  // namespace raylex::lpe

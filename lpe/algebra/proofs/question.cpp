@@ -69,7 +69,7 @@ Dfa symmetric_difference(const Dfa& a, const Dfa& b, const Dfa& words) {
     return intersection(words, both);
 }
 
-void warn_about_bar(const ChannelSource& source, const Expression& expression, const Words& words,
+void warn_about_bar(const ChannelSource& source, const Expression& expression, const PathStrings& words,
                     std::vector<std::string>& warnings) {
     if (!expression.has_bar) { return; }
     std::vector<Expression> readings;
@@ -81,7 +81,7 @@ void warn_about_bar(const ChannelSource& source, const Expression& expression, c
     options.skip_reserved_labels = source.dialect == Dialect::osl;
     const Languages languages = build_languages(sources, readings, options);
     const Dfa different = symmetric_difference(languages.channels[0], languages.channels[1], *languages.words);
-    const auto word = shortest_word(different, is_set);
+    const auto word = shortest_path_string(different, is_set);
     if (!word) { return; }
     const Witness witness = witness_of(*word, *languages.classes);
     const bool tight_accepts = !accepting(languages.channels, 1, *word).empty();
@@ -108,7 +108,7 @@ Expression letters() {
     return expression;
 }
 
-Words words_for(std::span<const ChannelSource> channels, Words words) {
+PathStrings path_strings_for(std::span<const ChannelSource> channels, PathStrings words) {
     const bool osl =
         std::any_of(channels.begin(), channels.end(), [](const ChannelSource& c) { return c.dialect == Dialect::osl; });
     words.straight = words.straight && osl;
@@ -158,7 +158,7 @@ void refuse(const ChannelSource& channel, const Expression& expression, const st
 
 }  // namespace
 
-Question pose(std::span<const ChannelSource> channels, const Words& words, const char* refuse_others_in,
+Question pose(std::span<const ChannelSource> channels, const PathStrings& words, const char* refuse_others_in,
               bool telling_letters) {
     Question question;
     LanguageOptions options;

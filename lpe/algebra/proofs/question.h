@@ -21,8 +21,8 @@ struct Question {
 /// Parses and compiles the channels. `refuse_others_in`: name of the proof ("a partition") that channels with prefixes
 /// or user events cannot take part in, or null to accept them. `telling_letters`: no event class contains events of
 /// different type or scattering, so that words of classes are words of letters. Throws Failure.
-[[nodiscard]] Question pose(std::span<const ChannelSource> channels, const Words& words, const char* refuse_others_in,
-                            bool telling_letters = false);
+[[nodiscard]] Question pose(std::span<const ChannelSource> channels, const PathStrings& words,
+                            const char* refuse_others_in, bool telling_letters = false);
 
 /// Returns whether the tree contains a user event.
 [[nodiscard]] bool names_user_events(const Node& node);
@@ -34,7 +34,7 @@ struct Question {
 [[nodiscard]] Expression letters();
 
 /// W for these channels: without pass-through events where no channel uses them as letters.
-[[nodiscard]] Words words_for(std::span<const ChannelSource> channels, Words words);
+[[nodiscard]] PathStrings path_strings_for(std::span<const ChannelSource> channels, PathStrings words);
 
 [[nodiscard]] Witness witness_of(const std::vector<EventClass>& word, const EventClasses& classes);
 /// The indices of those of the first `count` automata that accept the word.
@@ -60,7 +60,7 @@ struct Question {
 }
 
 /// Adds a warning if giving '|' lower precedence than concatenation changes the meaning of `expression`.
-void warn_about_bar(const ChannelSource& source, const Expression& expression, const Words& words,
+void warn_about_bar(const ChannelSource& source, const Expression& expression, const PathStrings& words,
                     std::vector<std::string>& warnings);
 
 }  // namespace raylex::lpe

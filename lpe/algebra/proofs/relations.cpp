@@ -16,7 +16,7 @@ Proof proof_of(Question& question, std::span<const ChannelSource> channels, cons
                const std::function<std::string(const Proof&)>& fails) {
     Proof proof;
     proof.warnings = std::move(question.warnings);
-    const auto word = shortest_word(against, is_set);
+    const auto word = shortest_path_string(against, is_set);
     if (!word) {
         proof.summary = std::move(holds);
         return proof;
@@ -34,7 +34,8 @@ std::string all_names(std::span<const ChannelSource> channels) {
     return name_list(channels, which);
 }
 
-Proof covers(std::span<const ChannelSource> channels, const std::optional<ChannelSource>& beauty, const Words& words) {
+Proof covers(std::span<const ChannelSource> channels, const std::optional<ChannelSource>& beauty,
+             const PathStrings& words) {
     std::vector<ChannelSource> all(channels.begin(), channels.end());
     if (beauty) { all.push_back(*beauty); }
     Question question = pose(all, words, "a coverage");
@@ -49,7 +50,7 @@ Proof covers(std::span<const ChannelSource> channels, const std::optional<Channe
                     [&](const Proof& proof) { return "no channel counts " + in_words(proof.witness); });
 }
 
-Proof equal(std::span<const ChannelSource> channels, const Words& words) {
+Proof equal(std::span<const ChannelSource> channels, const PathStrings& words) {
     Question question = pose(channels, words, nullptr);
     const Languages& languages = question.languages;
     Dfa differing = empty_dfa(languages.classes->count());
@@ -81,15 +82,15 @@ Proof equal(std::span<const ChannelSource> channels, const Words& words) {
 }  // namespace
 
 Result<Proof> check_covers(std::span<const ChannelSource> channels, const std::optional<ChannelSource>& beauty,
-                           const Words& words) {
+                           const PathStrings& words) {
     return guarded([&] { return covers(channels, beauty, words); });
 }
 
-Result<Proof> check_equal(std::span<const ChannelSource> channels, const Words& words) {
+Result<Proof> check_equal(std::span<const ChannelSource> channels, const PathStrings& words) {
     return guarded([&] { return equal(channels, words); });
 }
 
-Result<Proof> check_contains(const ChannelSource& outer, const ChannelSource& inner, const Words& words) {
+Result<Proof> check_contains(const ChannelSource& outer, const ChannelSource& inner, const PathStrings& words) {
     return guarded([&] {
         const std::vector<ChannelSource> both{outer, inner};
         Question question = pose(both, words, nullptr);
@@ -103,7 +104,7 @@ Result<Proof> check_contains(const ChannelSource& outer, const ChannelSource& in
     });
 }
 
-Result<Proof> check_empty(const ChannelSource& channel, const Words& words) {
+Result<Proof> check_empty(const ChannelSource& channel, const PathStrings& words) {
     return guarded([&] {
         const std::span<const ChannelSource> one{&channel, 1};
         Question question = pose(one, words, nullptr);
@@ -114,12 +115,12 @@ Result<Proof> check_empty(const ChannelSource& channel, const Words& words) {
     });
 }
 
-Result<bool> is_beauty(const ChannelSource& expression, const Words& words) {
+Result<bool> is_beauty(const ChannelSource& expression, const PathStrings& words) {
     return guarded([&] {
         const Question question = pose({&expression, 1}, words, nullptr);
         if (!question.expressions[0].prefixes.empty()) { return false; }
         const Dfa missing = difference(*question.languages.words, question.languages.channels[0]);
-        return !shortest_word(missing, is_set).has_value();
+        return !shortest_path_string(missing, is_set).has_value();
     });
 }
 

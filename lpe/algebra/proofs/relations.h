@@ -1,6 +1,6 @@
 // Relations between languages: coverage, equality, containment, emptiness. Every answer is a proof over W
-// (lpe/words.h), or comes with the shortest counterexample. Channels can be of different dialects. Prefixes change what
-// is splatted and not which paths match, so these checks ignore them.
+// (lpe/path_strings.h), or comes with the shortest counterexample. Channels can be of different dialects. Prefixes
+// change what is splatted and not which paths match, so these checks ignore them.
 #pragma once
 
 #include <cstddef>
@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "lpe/algebra/proofs/check.h"
+#include "lpe/path_strings.h"
 #include "lpe/program.h"
 #include "lpe/result.h"
-#include "lpe/words.h"
 
 namespace raylex::lpe {
 
@@ -28,19 +28,19 @@ struct Proof {
 
 /// Checks that every path of W that `beauty` accepts (all of W when absent) is accepted by at least one channel.
 Result<Proof> check_covers(std::span<const ChannelSource> channels,
-                           const std::optional<ChannelSource>& beauty = std::nullopt, const Words& words = {});
+                           const std::optional<ChannelSource>& beauty = std::nullopt, const PathStrings& words = {});
 
 /// Checks that all channels accept the same paths of W.
-Result<Proof> check_equal(std::span<const ChannelSource> channels, const Words& words = {});
+Result<Proof> check_equal(std::span<const ChannelSource> channels, const PathStrings& words = {});
 
 /// Checks that `outer` accepts every path of W that `inner` accepts.
-Result<Proof> check_contains(const ChannelSource& outer, const ChannelSource& inner, const Words& words = {});
+Result<Proof> check_contains(const ChannelSource& outer, const ChannelSource& inner, const PathStrings& words = {});
 
 /// Checks that the channel accepts no path of W.
-Result<Proof> check_empty(const ChannelSource& channel, const Words& words = {});
+Result<Proof> check_empty(const ChannelSource& channel, const PathStrings& words = {});
 
 /// Returns whether the expression, in whatever form, accepts every path of W and has no prefixes. Its channel then is
 /// the beauty.
-Result<bool> is_beauty(const ChannelSource& expression, const Words& words = {});
+Result<bool> is_beauty(const ChannelSource& expression, const PathStrings& words = {});
 
 }  // namespace raylex::lpe

@@ -87,9 +87,9 @@ std::vector<std::uint32_t> events_to_acceptance(const Dfa& dfa) {
     return distance;
 }
 
-std::vector<std::vector<EventClass>> sample_words(const Dfa& dfa, std::size_t count) {
+std::vector<std::vector<EventClass>> sample_path_strings(const Dfa& dfa, std::size_t count) {
     std::vector<std::vector<EventClass>> words;
-    const auto shortest = shortest_word(dfa, [](std::uint32_t output) { return output != 0; });
+    const auto shortest = shortest_path_string(dfa, [](std::uint32_t output) { return output != 0; });
     if (!shortest || count == 0) { return words; }
     const std::vector<std::uint32_t> distance = events_to_acceptance(dfa);
     Walker walker(dfa, distance);
@@ -105,7 +105,7 @@ std::vector<std::vector<EventClass>> sample_words(const Dfa& dfa, std::size_t co
     return words;
 }
 
-std::vector<std::uint64_t> count_words(const Dfa& dfa, std::size_t longest) {
+std::vector<std::uint64_t> count_path_strings(const Dfa& dfa, std::size_t longest) {
     std::vector<std::uint64_t> classes_of_column(dfa.columns, 0);
     for (const std::uint16_t column : dfa.column_of_class) { ++classes_of_column[column]; }
     std::vector<std::uint64_t> counts;
@@ -132,7 +132,7 @@ std::vector<std::uint64_t> count_words(const Dfa& dfa, std::size_t longest) {
     }
 }
 
-std::optional<std::size_t> longest_word(const Dfa& dfa) {
+std::optional<std::size_t> longest_path_string(const Dfa& dfa) {
     // Finds the longest ways over states that can still accept; a cycle among them means that there is no longest word.
     const std::vector<std::uint32_t> distance = events_to_acceptance(dfa);
     if (distance[dfa.start] == unreachable) { return std::nullopt; }

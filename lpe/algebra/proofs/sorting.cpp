@@ -24,7 +24,7 @@ class Sorter {
         std::vector<bool> open;
         for (const Dfa& channel : channels_) {
             // A channel that counts no path, or paths outside the beauty, belongs to no partition.
-            open.push_back(channel.start != 0 && !shortest_word(difference(channel, whole_), is_set));
+            open.push_back(channel.start != 0 && !shortest_path_string(difference(channel, whole_), is_set));
         }
         for (std::size_t first = 0; first < channels_.size(); ++first) {
             std::vector<std::size_t> chosen{first};
@@ -48,7 +48,7 @@ class Sorter {
   private:
     /// Adds channels until `missed` is covered. Returns false, with `chosen` unchanged, if no choice covers it.
     bool extend(std::vector<std::size_t>& chosen, const std::vector<bool>& open, const Dfa& missed) {
-        const auto word = shortest_word(missed, is_set);
+        const auto word = shortest_path_string(missed, is_set);
         if (!word) { return true; }
         for (const std::size_t next : accepting(channels_, channels_.size(), *word)) {
             const bool apart =
@@ -74,7 +74,7 @@ class Sorter {
 };
 
 Sorting sorted(std::span<const ChannelSource> channels, const std::optional<ChannelSource>& beauty,
-               const Words& words) {
+               const PathStrings& words) {
     std::vector<ChannelSource> all(channels.begin(), channels.end());
     if (beauty) { all.push_back(*beauty); }
     const Question question = pose(all, words, "a partition");
@@ -92,7 +92,7 @@ Sorting sorted(std::span<const ChannelSource> channels, const std::optional<Chan
 }  // namespace
 
 Result<Sorting> sort_into_partitions(std::span<const ChannelSource> channels,
-                                     const std::optional<ChannelSource>& beauty, const Words& words) {
+                                     const std::optional<ChannelSource>& beauty, const PathStrings& words) {
     return guarded([&] { return sorted(channels, beauty, words); });
 }
 

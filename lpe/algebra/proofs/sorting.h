@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
+#include "lpe/path_strings.h"
 #include "lpe/program.h"
 #include "lpe/result.h"
-#include "lpe/words.h"
 
 namespace raylex::lpe {
 
@@ -23,6 +23,6 @@ struct Sorting {
 /// check_partition().
 Result<Sorting> sort_into_partitions(std::span<const ChannelSource> channels,
                                      const std::optional<ChannelSource>& beauty = std::nullopt,
-                                     const Words& words = {});
+                                     const PathStrings& words = {});
 
 }  // namespace raylex::lpe

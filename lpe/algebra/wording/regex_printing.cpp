@@ -203,7 +203,7 @@ struct PrintingQuestion {
     SlotLabels labels;
 };
 
-PrintingQuestion pose_for_printing(std::span<const ChannelSource> channels, const Words& words) {
+PrintingQuestion pose_for_printing(std::span<const ChannelSource> channels, const PathStrings& words) {
     PrintingQuestion question;
     LanguageOptions options;
     options.words = &words;
@@ -230,7 +230,8 @@ ChannelSource printed(const std::string& text) {
 
 /// The paths of the beauty that no channel counts, restricted to `words`, as text.
 std::optional<std::string> left_over(std::span<const ChannelSource> channels,
-                                     const std::optional<ChannelSource>& beauty, const Words& words, Reader reader) {
+                                     const std::optional<ChannelSource>& beauty, const PathStrings& words,
+                                     Reader reader) {
     std::vector<ChannelSource> all(channels.begin(), channels.end());
     const std::size_t count = all.size();
     if (beauty) { all.push_back(*beauty); }
@@ -252,19 +253,19 @@ std::optional<std::string> left_over(std::span<const ChannelSource> channels,
 
 /// W itself, and W with fewer restrictions: a rest for a larger W is also a rest for a smaller one, and its text is
 /// often shorter.
-std::vector<Words> worlds_around(const Words& words) {
-    Words wider = words;
+std::vector<PathStrings> worlds_around(const PathStrings& words) {
+    PathStrings wider = words;
     wider.alphabet.reset();
     wider.max_depth.reset();
     wider.light_groups.reset();
     wider.object_labels.reset();
     wider.unlabelled_lights = true;
-    std::vector<Words> worlds{wider};
+    std::vector<PathStrings> worlds{wider};
     if (words.alphabet) {
         const auto any_of_type = [](const std::vector<Event>& events, EventType type) {
             return std::any_of(events.begin(), events.end(), [type](const Event& e) { return e.type == type; });
         };
-        Words same_types = wider;
+        PathStrings same_types = wider;
         same_types.volume = words.volume && any_of_type(words.alphabet->scattering, EventType::volume);
         same_types.emission = words.emission && any_of_type(words.alphabet->terminals, EventType::emission);
         worlds.push_back(same_types);
@@ -276,10 +277,11 @@ std::vector<Words> worlds_around(const Words& words) {
 }
 
 std::optional<std::string> rest_text(std::span<const ChannelSource> channels,
-                                     const std::optional<ChannelSource>& beauty, const Words& words, Reader reader) {
+                                     const std::optional<ChannelSource>& beauty, const PathStrings& words,
+                                     Reader reader) {
     std::optional<std::string> best;
     std::optional<Error> failure;
-    for (const Words& world : worlds_around(words)) {
+    for (const PathStrings& world : worlds_around(words)) {
         auto left = guarded([&] { return left_over(channels, beauty, world, reader); });
         if (!left) {
             failure = left.error();  // a different W can give a smaller automaton
@@ -290,7 +292,7 @@ std::optional<std::string> rest_text(std::span<const ChannelSource> channels,
         std::vector<ChannelSource> whole(channels.begin(), channels.end());
         whole.push_back(printed(*text));
         const Result<PartitionReport> proof = check_partition(whole, beauty, words);
-        if (proof && proof->verdict == Verdict::partition) { best = std::move(text); }
+        if (proof && proof->result == SplitProof::partition) { best = std::move(text); }
     }
     if (!best && failure) { throw Failure{std::move(*failure)}; }
     return best;
@@ -299,12 +301,12 @@ std::optional<std::string> rest_text(std::span<const ChannelSource> channels,
 }  // namespace
 
 Result<std::optional<std::string>> rest_expression(std::span<const ChannelSource> channels,
-                                                   const std::optional<ChannelSource>& beauty, const Words& words,
+                                                   const std::optional<ChannelSource>& beauty, const PathStrings& words,
                                                    Reader reader) {
     return guarded([&] { return rest_text(channels, beauty, words, reader); });
 }
 
-Result<std::optional<std::string>> plain_expression(const ChannelSource& channel, const Words& words) {
+Result<std::optional<std::string>> plain_expression(const ChannelSource& channel, const PathStrings& words) {
     return guarded([&]() -> std::optional<std::string> {
         const PrintingQuestion question = pose_for_printing({&channel, 1}, words);
         const auto cut = product(*question.languages.words, question.languages.channels[0], intersection_of(),

@@ -7,9 +7,9 @@
 #include <string>
 
 #include "lpe/language/extensions.h"
+#include "lpe/path_strings.h"
 #include "lpe/program.h"
 #include "lpe/result.h"
-#include "lpe/words.h"
 
 namespace raylex::lpe {
 
@@ -22,9 +22,9 @@ inline constexpr std::size_t longest_printed_expression = 160;
 /// shorter. Errors: a channel does not parse.
 Result<std::optional<std::string>> rest_expression(std::span<const ChannelSource> channels,
                                                    const std::optional<ChannelSource>& beauty = std::nullopt,
-                                                   const Words& words = {}, Reader reader = Reader::raylex);
+                                                   const PathStrings& words = {}, Reader reader = Reader::raylex);
 
 /// A simpler expression for one channel that accepts the same words of W; nothing when no short one was found.
-Result<std::optional<std::string>> plain_expression(const ChannelSource& channel, const Words& words = {});
+Result<std::optional<std::string>> plain_expression(const ChannelSource& channel, const PathStrings& words = {});
 
 }  // namespace raylex::lpe

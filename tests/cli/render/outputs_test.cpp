@@ -103,16 +103,16 @@ TEST_CASE("a deep image flattens to the image, for any number of threads", "[law
         data.push_back(bytes.substr(bytes.size() / 2));  // pixels; the header contains the time
         auto image = read_exr(folder.path("room.exr"));
         REQUIRE(image);
-        const auto verdict = raylex::display::check_deep(folder.path("deep.exr"), *image);
-        REQUIRE(verdict.ok());
-        CHECK(verdict->holds);
-        CHECK(verdict->most_samples <= 3);
+        const auto result = raylex::display::check_deep(folder.path("deep.exr"), *image);
+        REQUIRE(result.ok());
+        CHECK(result->holds);
+        CHECK(result->most_samples <= 3);
         // An empty pixel has no sample; any other has at least one.
         const auto* alpha = image->layer("")->plane("A");
         REQUIRE(alpha != nullptr);
         const auto covered = std::count_if(alpha->values.begin(), alpha->values.end(), [](float a) { return a > 0; });
         CHECK(covered > 100);
-        CHECK(verdict->samples >= static_cast<std::uint64_t>(covered));
+        CHECK(result->samples >= static_cast<std::uint64_t>(covered));
     }
     CHECK(data[0] == data[1]);
     check_refused(folder, "render room.pbrt -o x.exr --deep d.exr --filter mitchell",

@@ -36,9 +36,9 @@ Shape "sphere" "float radius" 1)");
     CHECK(most > 0);  // light through the ball behind the floor
     const Outcome proof = run_raylex(folder, "lpe check --scene ball.pbrt tg='C<RD><TG>+L' ts='C<RD><TS>+L'");
     CHECK_FALSE(contains(proof.out + proof.err, "matches no path"));
-    const Outcome asked = run_raylex(folder, "ask ball.atlas.exr --lpe tg='C<RD><TG>+L' -o asked.exr");
-    INFO(asked.out << asked.err);
-    REQUIRE(asked.code == 0);
-    CHECK_FALSE(contains(asked.out + asked.err, "matches no path"));
+    const Outcome requested = run_raylex(folder, "ask ball.atlas.exr --lpe tg='C<RD><TG>+L' -o asked.exr");
+    INFO(requested.out << requested.err);
+    REQUIRE(requested.code == 0);
+    CHECK_FALSE(contains(requested.out + requested.err, "matches no path"));
     CHECK(plane(folder, "asked.exr", "tg", "G") == plane(folder, "ball.exr", "tg", "G"));
 }

@@ -99,10 +99,10 @@ TEST_CASE("channels of a file without expressions are AOVs, and duplicate names 
                  "DisplayChannel \"float z\"\nDisplayChannel \"color d\" \"string source\" \"lpe:C<RD>L\" "
                  "\"string filter\" [\"max\"]\n");
     REQUIRE(run_raylex(folder, "render room.pbrt -o g.exr --atlas g.atlas.exr --spp 1").code == 0);
-    const Outcome asked = run_raylex(folder, "ask g.atlas.exr --channels light.rib -o h.exr");
-    CHECK(asked.code == 0);
-    CHECK(contains(asked.err, "'z' is left out"));
-    CHECK(contains(asked.err, "the rule of 'd' is left out"));
+    const Outcome requested = run_raylex(folder, "ask g.atlas.exr --channels light.rib -o h.exr");
+    CHECK(requested.code == 0);
+    CHECK(contains(requested.err, "'z' is left out"));
+    CHECK(contains(requested.err, "the rule of 'd' is left out"));
     // Channels of equal name and meaning are one layer, however they are written.
     const Outcome same = run_raylex(folder, "render room.pbrt -o d.exr --lpe 'd=C<RD>[<L.>O]' --lpe 'd=C<RD>[LO]'");
     INFO(same.err);
@@ -160,9 +160,9 @@ TEST_CASE("a generated layer that equals a channel is that channel") {
     REQUIRE(image);
     CHECK(contains(image->attributes["partition/shipped"], "directDiffuse"));
     CHECK(contains(image->attributes["partition/light_groups"], "light_default"));
-    const Outcome asked = run_raylex(folder, "ask a.atlas.exr --partition shipped -o b.exr" + direct);
-    INFO(asked.err);
-    CHECK(asked.code == 0);
+    const Outcome requested = run_raylex(folder, "ask a.atlas.exr --partition shipped -o b.exr" + direct);
+    INFO(requested.err);
+    CHECK(requested.code == 0);
     check_refused(folder, "render room.pbrt -o c.exr --partition shipped --lpe 'directDiffuse=C<RS>L'",
                   {"'directDiffuse' is used twice with two meanings"});
 }

@@ -7,8 +7,8 @@
 
 RAYLEX_PLUGIN(host) {
     using namespace raylex;
-    const char* asked = std::getenv("MISBEHAVIOUR");
-    const std::string kind = asked != nullptr ? asked : "";
+    const char* requested = std::getenv("MISBEHAVIOUR");
+    const std::string kind = requested != nullptr ? requested : "";
     const auto factory = [kind](const ParameterSet&,
                                 const display::DriverContext&) -> Result<std::unique_ptr<display::DisplayDriver>> {
         if (kind == "null-driver") return std::unique_ptr<display::DisplayDriver>();

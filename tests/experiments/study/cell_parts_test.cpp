@@ -36,11 +36,11 @@ Outcome raylex_run(const Folder& folder, const std::string& arguments, int code 
     return outcome;
 }
 
-std::string bits_of(const Folder& folder, const std::string& cell) {
+std::string bits_of(const Folder& folder, const std::string& run) {
     std::string bits;
     for (const char* file :
          {"record.bin", "samples.npy", "beauty.mean.npy", "beauty.m2.npy", "direct.mean.npy", "direct.m2.npy"})
-        if (folder.has(cell + "/" + file)) bits += file + folder.read(cell + "/" + file);
+        if (folder.has(run + "/" + file)) bits += file + folder.read(run + "/" + file);
     return bits;
 }
 
@@ -95,10 +95,10 @@ error = true
 
     const auto whole = read_experiment(folder.path("whole")), merged = read_experiment(folder.path("merged"));
     REQUIRE((whole && merged));
-    REQUIRE(merged->cells.size() == whole->cells.size());
+    REQUIRE(merged->runs.size() == whole->runs.size());
     CHECK(merged->missing.empty());
-    for (std::size_t i = 0; i < whole->cells.size(); ++i) {
-        const Cell &one = whole->cells[i], &sum = merged->cells[i];
+    for (std::size_t i = 0; i < whole->runs.size(); ++i) {
+        const StudyRun &one = whole->runs[i], &sum = merged->runs[i];
         CAPTURE(one.id);
         CHECK((bits_of(folder, "whole/cells/" + one.id) == bits_of(folder, "merged/cells/" + one.id)));
         CHECK((folder.read("merged/cells/" + one.id + "/cell.json") ==
@@ -136,25 +136,25 @@ TEST_CASE("incomplete sets of parts are refused by name, before anything is writ
     for (const char* part : {"1", "2", "3"}) raylex_run(folder, split + "part" + part + " --shard " + part + "/3");
     raylex_run(folder, "run c.toml -o whole");
     raylex_run(folder, "run c.toml --split-cells 2 -o halves");
-    const std::string cell = "room.deep.56spp.r0", all = "merge part1 part2 part3 ";
+    const std::string run = "room.deep.56spp.r0", all = "merge part1 part2 part3 ";
     const auto refused = [&](const std::string& arguments, const std::string& with) {
         CAPTURE(with);
         CHECK(raylex_run(folder, arguments + " -o bad", 2).err.find(with) != std::string::npos);
         CHECK_FALSE(folder.has("bad"));
     };
-    refused("merge part1 part3", "cell '" + cell + "' is incomplete: samples 16 to 31 are in no directory");
+    refused("merge part1 part3", "cell '" + run + "' is incomplete: samples 16 to 31 are in no directory");
     refused("merge part1 part2", "samples 32 to 55 are in no directory");
     refused("merge part3 part2", "samples 0 to 15 are in no directory");
     refused(all + "part2", "has samples 16 to 31, and");
     refused(all + "halves", "they overlap");
-    refused(all + "whole", "its cell is finished in 'whole/cells/" + cell + "'");
+    refused(all + "whole", "its cell is finished in 'whole/cells/" + run + "'");
     raylex_run(folder, split + "other --set seed=5 --shard 1/3");
     refused("merge part1 other", "another config");
     CHECK(raylex_run(folder, "resume c.toml -o part1 --split-cells 2", 2).err.find("does not belong to this run") !=
           std::string::npos);
     CHECK(raylex_run(folder, split + "part1", 2).err.find("'raylex experiment resume' continues") != std::string::npos);
     // A failed part makes a failed cell; if another directory has it finished, it is finished.
-    const std::string second = "part2/cells/" + cell + ".p2of3";
+    const std::string second = "part2/cells/" + run + ".p2of3";
     const std::string good = folder.read(second + "/cell.json");
     edit(folder, second + "/cell.json", [](Json& json) { json["isa"] = "sse2"; });
     refused(all, "so they do not belong to one render");
@@ -170,13 +170,13 @@ TEST_CASE("incomplete sets of parts are refused by name, before anything is writ
     Json failed = parse_json(good);
     failed["state"] = "failed";
     failed["reason"] = "out of memory";
-    folder.write("part2/failed/" + cell + ".p2of3.json", failed.dump());
+    folder.write("part2/failed/" + run + ".p2of3.json", failed.dump());
     raylex_run(folder, all + "-o done");
-    CHECK(bits_of(folder, "done/cells/" + cell) == bits_of(folder, "whole/cells/" + cell));
+    CHECK(bits_of(folder, "done/cells/" + run) == bits_of(folder, "whole/cells/" + run));
     fs::remove_all(folder.path(second));
     raylex_run(folder, all + "-o failed");
     const auto results = read_experiment(folder.path("failed"));
     REQUIRE(results);
-    REQUIRE(results->cells.size() == 1);
-    CHECK(results->cells.front().failure == "part '" + cell + ".p2of3' failed: out of memory");
+    REQUIRE(results->runs.size() == 1);
+    CHECK(results->runs.front().failure == "part '" + run + ".p2of3' failed: out of memory");
 }

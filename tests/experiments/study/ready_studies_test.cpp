@@ -92,11 +92,11 @@ TEST_CASE("methods that start at the lights agree with the path tracer in every 
             const std::size_t at = run.out.find(who);
             CAPTURE(who);
             REQUIRE(at != std::string::npos);
-            const std::string verdict = run.out.substr(at + who.size(), 13);
-            CAPTURE(verdict);
+            const std::string result = run.out.substr(at + who.size(), 13);
+            CAPTURE(result);
             // In fog, images of this size would miss a bias of a tenth, so a bias is neither claimed nor excluded.
-            const bool cannot_tell = verdict.starts_with("cannot tell");
-            CHECK((verdict == "no bias found" || (cannot_tell && std::string(scene) == "cornell-fog")));
+            const bool cannot_tell = result.starts_with("cannot tell");
+            CHECK((result == "no bias found" || (cannot_tell && std::string(scene) == "cornell-fog")));
         }
 }
 

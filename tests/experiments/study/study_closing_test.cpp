@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Files by the cell's name and their own name, whatever the current name of the directory.
-std::string within_cell(const fs::path& path) {
+std::string within_run(const fs::path& path) {
     std::string cell = path.parent_path().filename().string();
     if (cell.ends_with(".partial")) cell.resize(cell.size() - 8);
     return cell + "/" + path.filename().string();
@@ -63,21 +63,21 @@ TEST_CASE("a cell gets its name when all its files are on disk; one that cannot 
         const Faults faults([&](FileCall call, const std::string& path) {
             if (call != FileCall::sync || path.find("/cells/") == std::string::npos) return 0;
             const std::lock_guard lock(mutex);
-            synced.insert(within_cell(path));
-            const std::string name = within_cell(path);
+            synced.insert(within_run(path));
+            const std::string name = within_run(path);
             too_early |= fs::exists(folder.path("out/cells/" + name.substr(0, name.find('/'))));
             return name == second + "/record.bin" ? EIO : 0;
         });
         auto outcome = run(folder, false);
         REQUIRE_FALSE(outcome);
-        CHECK(within_cell(outcome.error().file) == second + "/record.bin");
+        CHECK(within_run(outcome.error().file) == second + "/record.bin");
     }
     CHECK_FALSE(too_early);
     CHECK(folder.has("out/cells/room.path.4spp.r0/cell.json"));
     CHECK_FALSE(folder.has("out/cells/" + second));
     CHECK_FALSE(folder.has("out/cells/room.path.4spp.r2"));  // nothing follows after a failed disk
     for (const auto& entry : fs::directory_iterator(folder.path("out/cells/room.path.4spp.r0")))
-        CHECK(synced.contains(within_cell(entry.path())));
+        CHECK(synced.contains(within_run(entry.path())));
     folder.write("out/cells/" + second + ".partial/half.residual.png", "of the run that failed");
     auto resumed = run(folder, true);
     REQUIRE(resumed);

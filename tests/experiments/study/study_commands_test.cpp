@@ -200,15 +200,15 @@ lpe = "C<RS>.*L"
           std::string::npos);
     CHECK(run.out.find("warning: ") != std::string::npos);  // of the cell, in the terminal
     std::istringstream lines(folder.read("out/results.jsonl"));
-    int judged = 0, left_out = 0;
+    int checked = 0, left_out = 0;
     for (std::string line; std::getline(lines, line);) {
         const auto json = raylex::experiments::parse_json(line);
         if (json.at("kind") != "bias" || json.at("variant") != "light") continue;
         const bool omitted = json.at("omitted") == "C<.S>.*";
         CHECK(omitted == (json.at("channel") != "direct"));
-        ++(omitted ? left_out : judged);
+        ++(omitted ? left_out : checked);
     }
-    CHECK(judged == 1);
+    CHECK(checked == 1);
     CHECK(left_out >= 2);
 
     std::vector<BudgetGroup> groups;
@@ -221,8 +221,8 @@ lpe = "C<RS>.*L"
             group.seconds.push_back(budget);
         }
         groups.push_back(group);
-        const SlopeVerdict verdict = judge_slope(groups, true);
-        CHECK(verdict.too_shallow == (groups.size() == 4));
-        if (groups.size() == 2) CHECK(verdict.text.find("three are needed") != std::string::npos);
+        const SlopeTest result = test_slope(groups, true);
+        CHECK(result.too_shallow == (groups.size() == 4));
+        if (groups.size() == 2) CHECK(result.text.find("three are needed") != std::string::npos);
     }
 }

@@ -186,22 +186,22 @@ TEST_CASE("a plan interleaves methods, honours exclusions, and never repeats a s
                                               {"replicates=500", "reference.method=path", "reference.spp=1"});
     auto plan = make_plan(config);
     REQUIRE(plan);
-    REQUIRE(plan->cells.size() == 500 * 3);
-    CHECK(plan->cells[0].cell.id == "room.path.4spp.r0");
-    CHECK(plan->cells[1].cell.id == "room.shallow.4spp.r0");
-    CHECK(plan->cells[2].cell.id == "room.path.8spp.r0");
-    CHECK(plan->cells[3].cell.id == "room.path.4spp.r1");
+    REQUIRE(plan->runs.size() == 500 * 3);
+    CHECK(plan->runs[0].run.id == "room.path.4spp.r0");
+    CHECK(plan->runs[1].run.id == "room.shallow.4spp.r0");
+    CHECK(plan->runs[2].run.id == "room.path.8spp.r0");
+    CHECK(plan->runs[3].run.id == "room.path.4spp.r1");
     std::set<std::uint32_t> seeds;
     for (const std::uint64_t seed : plan->reference_seeds) CHECK(seeds.insert(short_seed(seed)).second);
-    for (const PlannedCell& each : plan->cells) CHECK(seeds.insert(short_seed(each.cell.seed)).second);
+    for (const PlannedRun& each : plan->runs) CHECK(seeds.insert(short_seed(each.run.seed)).second);
     // More replicates keep the seeds of the first ones.
     auto more = make_plan(config_of(made, base, {"replicates=2", "reference.method=path", "reference.spp=1"}));
     REQUIRE(more);
-    CHECK(more->cells[0].cell.seed == plan->cells[0].cell.seed);
+    CHECK(more->runs[0].run.seed == plan->runs[0].run.seed);
     // Another seed of the config shares no seed with it.
     auto other = make_plan(config_of(made, base, {"seed=1"}));
     REQUIRE(other);
-    for (const PlannedCell& each : other->cells) CHECK_FALSE(seeds.contains(short_seed(each.cell.seed)));
+    for (const PlannedRun& each : other->runs) CHECK_FALSE(seeds.contains(short_seed(each.run.seed)));
     auto nothing = make_plan(config_of(made, base + "[[exclude]]\nsamples = 5\n"));
     REQUIRE_FALSE(nothing);
     CHECK(nothing.error().message.find("matches no cell") != std::string::npos);

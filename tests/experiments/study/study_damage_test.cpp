@@ -37,12 +37,12 @@ name = "direct"
 lpe = "CDL"
 )");
     REQUIRE(run_raylex(folder, "experiment run c.toml -o out").code == 0);
-    const std::string id = "room.path.2spp.r0", cell = "out/cells/" + id + "/";
+    const std::string id = "room.path.2spp.r0", run = "out/cells/" + id + "/";
     auto results = read_experiment(folder.path("out"));
     REQUIRE(results);
-    REQUIRE(results->cells.front().id == id);
+    REQUIRE(results->runs.front().id == id);
     std::vector<std::string> names;
-    for (const FileRecord& each : results->cells.front().files) names.push_back(each.name);
+    for (const FileRecord& each : results->runs.front().files) names.push_back(each.name);
     CHECK(names == std::vector<std::string>{"beauty.m2.npy", "beauty.mean.npy", "direct.m2.npy", "direct.mean.npy",
                                             "image.exr", "record.bin", "rest.m2.npy", "rest.mean.npy", "samples.npy"});
     const Outcome same = run_raylex(folder, "experiment replay c.toml " + id + " -o out");
@@ -64,7 +64,7 @@ lpe = "CDL"
     std::size_t turn = 0;
     for (const std::string& name : names) {
         CAPTURE(name);
-        damages[turn++ % damages.size()](cell + name);
+        damages[turn++ % damages.size()](run + name);
         const Outcome replay = run_raylex(folder, "experiment replay c.toml " + id + " -o out");
         CHECK(replay.code == 1);
         CHECK(replay.out.find("DIFFERS in ") != std::string::npos);
@@ -91,18 +91,18 @@ lpe = "CDL"
         begin_anew();
     }
     // A checksum changed together with its file: the new render shows the difference.
-    std::string bytes = folder.read(cell + "direct.mean.npy");
+    std::string bytes = folder.read(run + "direct.mean.npy");
     bytes[bytes.size() - 2] = static_cast<char>(bytes[bytes.size() - 2] ^ 1);
-    folder.write(cell + "direct.mean.npy", bytes);
-    auto records = file_records(folder.path(cell));
+    folder.write(run + "direct.mean.npy", bytes);
+    auto records = file_records(folder.path(run));
     REQUIRE(records);
-    std::string json = folder.read(cell + "cell.json");
+    std::string json = folder.read(run + "cell.json");
     for (std::size_t i = 0; i < names.size(); ++i)
         if (names[i] == "direct.mean.npy") {
-            const std::string before = results->cells.front().files[i].hash;
+            const std::string before = results->runs.front().files[i].hash;
             json.replace(json.find(before, json.find("\"direct.mean.npy\"")), before.size(), (*records)[i].hash);
         }
-    folder.write(cell + "cell.json", json);
+    folder.write(run + "cell.json", json);
     const Outcome forged = run_raylex(folder, "experiment replay c.toml " + id + " -o out");
     CHECK(forged.code == 1);
     CHECK(forged.out.find("DIFFERS in direct.mean.npy") != std::string::npos);

@@ -51,10 +51,10 @@ Experiment results_of(const Folder& folder) {
     return *std::move(read);
 }
 
-const Cell& cell_of(const Experiment& results, const std::string& scene) {
-    const auto found =
-        std::find_if(results.cells.begin(), results.cells.end(), [&](const Cell& each) { return each.scene == scene; });
-    REQUIRE(found != results.cells.end());
+const StudyRun& run_of(const Experiment& results, const std::string& scene) {
+    const auto found = std::find_if(results.runs.begin(), results.runs.end(),
+                                    [&](const StudyRun& each) { return each.scene == scene; });
+    REQUIRE(found != results.runs.end());
     return *found;
 }
 
@@ -80,10 +80,10 @@ TEST_CASE("a scene that crashes its process fails alone: the other cells run, an
     CHECK(run.code == 2);
     CHECK(run.out.find("1 of 7 cells done, 6 FAILED") != std::string::npos);
     const Experiment results = results_of(folder);
-    REQUIRE(results.cells.size() == 7);
-    CHECK_FALSE(cell_of(results, "good").failed);
+    REQUIRE(results.runs.size() == 7);
+    CHECK_FALSE(run_of(results, "good").failed);
     for (const BadScene& each : bad) {
-        const Cell& cell = cell_of(results, each.way + "-" + each.at);
+        const StudyRun& cell = run_of(results, each.way + "-" + each.at);
         CAPTURE(cell.id, cell.failure);
         CHECK(cell.failed);
         CHECK(cell.failure.find(each.reason) != std::string::npos);
@@ -104,7 +104,7 @@ TEST_CASE("a scene that crashes its process fails alone: the other cells run, an
     INFO(retried.out << retried.err);
     CHECK(retried.code == 2);
     CHECK(retried.out.find("2 of 7 cells done, 5 FAILED") != std::string::npos);
-    CHECK_FALSE(cell_of(results_of(folder), "abort-loading").failed);
+    CHECK_FALSE(run_of(results_of(folder), "abort-loading").failed);
 }
 
 TEST_CASE("a study whose only scene crashes lists its cells as failed; an error in all scenes is reported at once",
@@ -113,7 +113,7 @@ TEST_CASE("a study whose only scene crashes lists its cells as failed; an error 
     write_study(folder, {});
     folder.write("good.pbrt", deadly_scene("abort", "loading"));
     CHECK(run_raylex(folder, "experiment run c.toml -o out").code == 2);
-    CHECK(cell_of(results_of(folder), "good").failure.find("SIGABRT") != std::string::npos);
+    CHECK(run_of(results_of(folder), "good").failure.find("SIGABRT") != std::string::npos);
     folder.write("good.pbrt", "nonsense");
     const Outcome refused = run_raylex(folder, "experiment run c.toml -o other");
     CHECK(refused.code == 2);
@@ -129,8 +129,8 @@ TEST_CASE("a cell that never ends is ended by its timeout or an interrupt; no pr
     INFO(run.out << run.err);
     CHECK(run.code == 2);
     const Experiment results = results_of(folder);
-    CHECK(cell_of(results, "endless-rendering").failure.find("timeout of 2.00 s") != std::string::npos);
-    CHECK_FALSE(cell_of(results, "good").failed);
+    CHECK(run_of(results, "endless-rendering").failure.find("timeout of 2.00 s") != std::string::npos);
+    CHECK_FALSE(run_of(results, "good").failed);
     // SIGTERM only to the program, as a batch system sends it.
     write_study(folder, {{"endless", "rendering", ""}});
     const Outcome stopped = run_shell(folder, R"("$RAYLEX" experiment run c.toml -o stopped & program=$!

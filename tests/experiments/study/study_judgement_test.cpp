@@ -19,7 +19,7 @@ namespace {
 
 constexpr SyntheticStudy small{32, 24, 1, 4, 5, 3, 2, 0.4};
 
-Study judged(const Experiment& experiment) {
+Study checked(const Experiment& experiment) {
     auto study = study_of(experiment, {});
     REQUIRE(study);
     return *std::move(study);
@@ -56,11 +56,11 @@ bool has(const std::string& text, const std::string& part) {
 TEST_CASE("a verdict on bias has sign, size, interval and place", "[study][gate]") {
     const Folder folder;
     const Experiment experiment = write_synthetic_study(folder, {64, 48, 1, 4, 5, 3, 3, 0.4});
-    const Study study = judged(experiment);
+    const Study study = checked(experiment);
     const BiasEntry &skewed = entry_of(study, "skewed", "bounce2"), &clamped = entry_of(study, "clamped", "beauty");
     for (const auto& [entry, truth] : {std::pair(&skewed, 0.05), std::pair(&clamped, -0.1)}) {
-        const Interval& mean = entry->verdict.mean_difference;
-        CHECK(entry->judgement() == BiasJudgement::differs);
+        const Interval& mean = entry->result.mean_difference;
+        CHECK(entry->conclusion() == BiasConclusion::differs);
         CHECK(mean.low < truth);
         CHECK(mean.high > truth);
         CHECK(mean.low * mean.high > 0);  // the interval is at the level of the rejecting test
@@ -69,10 +69,10 @@ TEST_CASE("a verdict on bias has sign, size, interval and place", "[study][gate]
     CHECK(matches(finding_of(study, clamped), "-(9\\.9|10|10\\.0)[0-9]* % \\[-[0-9.]+, -[0-9.]+\\] of the mean"));
     // A single block is described differently.
     BiasEntry block = skewed;
-    block.verdict.worst_is_whole = false;
-    block.verdict.worst = 5;  // of four across
-    block.verdict.worst_difference = {0.009, 0.004, 0.014, {}, {}};
-    block.verdict.mean_difference = {0.0006, -0.0001, 0.0013, {}, {}};
+    block.result.worst_is_whole = false;
+    block.result.worst = 5;  // of four across
+    block.result.worst_difference = {0.009, 0.004, 0.014, {}, {}};
+    block.result.mean_difference = {0.0006, -0.0001, 0.0013, {}, {}};
     CHECK(finding_of(study, block) == "+0.9 % [0.4, 1.4] in the block at (16, 16), +0.06 % [-0.01, 0.13] of the mean");
 }
 
@@ -81,12 +81,12 @@ TEST_CASE("a method is not judged on channels with its declared omissions, and o
     if (!read_d3()) RAYLEX_SKIP("needs the package libjs-d3");
     const Folder folder;
     Experiment experiment = write_synthetic_study(folder, small);
-    for (Cell& cell : experiment.cells)
-        if (cell.method == "skewed") cell.omits = {{"C[DSV][DSV].*", "renderman"}};
-    const Study study = judged(experiment);
-    CHECK(entry_of(study, "skewed", "bounce2").verdict.differs);
-    CHECK(entry_of(study, "skewed", "bounce2").judgement() == BiasJudgement::not_judged);
-    CHECK(entry_of(study, "skewed", "bounce1").judgement() == BiasJudgement::none_found);
+    for (StudyRun& run : experiment.runs)
+        if (run.method == "skewed") run.omits = {{"C[DSV][DSV].*", "renderman"}};
+    const Study study = checked(experiment);
+    CHECK(entry_of(study, "skewed", "bounce2").result.differs);
+    CHECK(entry_of(study, "skewed", "bounce2").conclusion() == BiasConclusion::omits_paths);
+    CHECK(entry_of(study, "skewed", "bounce1").conclusion() == BiasConclusion::none_found);
     const std::string page = page_of(folder, experiment);
     CHECK(has(page,
               "Not judged, because the method declares that it does not find such paths:</span> skewed on ramp "
@@ -99,12 +99,12 @@ TEST_CASE("if a bias above a tenth would be missed, the verdict is open", "[stud
     const Folder folder;
     // One degree of freedom: critical values of hundreds of standard errors.
     const Experiment experiment = write_synthetic_study(folder, {32, 24, 1, 1, 2, 3, 1, 2});
-    const Study study = judged(experiment);
+    const Study study = checked(experiment);
     const BiasEntry& entry = entry_of(study, "path max_depth=4", "beauty");
-    REQUIRE(entry.verdict.tested);
-    CHECK(entry.verdict.detectable_whole > largest_hidden_bias);
-    CHECK(entry.judgement() == BiasJudgement::cannot_tell);
-    CHECK(has(verdict_of(study, entry), " of the mean would be missed"));
+    REQUIRE(entry.result.tested);
+    CHECK(entry.result.detectable_whole > largest_hidden_bias);
+    CHECK(entry.conclusion() == BiasConclusion::cannot_tell);
+    CHECK(has(result_of(study, entry), " of the mean would be missed"));
     const std::string page = page_of(folder, experiment);
     CHECK(has(page, "Cannot tell about bias:</span> path max_depth=4 on ramp (beauty, bounce1, bounce2)"));
     CHECK_FALSE(has(page, "o bias found</"));
@@ -123,23 +123,23 @@ TEST_CASE("the method that made the reference is judged by another one", "[study
     const Folder folder;
     Experiment experiment = write_synthetic_study(folder, {64, 48, 1, 2, 5, 3, 2, 0.4});
     experiment.scenes[0].reference_method = "skewed";  // the path agrees with the reference, so it can judge
-    Study study = judged(experiment);
+    Study study = checked(experiment);
     CHECK(entry_of(study, "skewed", "bounce2").against == "path max_depth=4");
     CHECK(entry_of(study, "skewed", "bounce2").convicts());
     CHECK(entry_of(study, "path max_depth=4", "bounce2").against.empty());
     // Two methods that disagree: one is wrong, and a reference by the other does not show which.
     experiment.scenes[0].reference_method = "path max_depth=4";
-    study = judged(experiment);
-    CHECK(entry_of(study, "path max_depth=4", "bounce2").judgement() == BiasJudgement::cannot_tell);
-    CHECK(has(entry_of(study, "path max_depth=4", "bounce2").doubt, "no other method agrees with it"));
+    study = checked(experiment);
+    CHECK(entry_of(study, "path max_depth=4", "bounce2").conclusion() == BiasConclusion::cannot_tell);
+    CHECK(has(entry_of(study, "path max_depth=4", "bounce2").caveat, "no other method agrees with it"));
     CHECK(entry_of(study, "path max_depth=4", "bounce1").against == "skewed");
     // Without a second method it is judged by its own reference, and the table shows that.
     const Folder alone;
     experiment = write_synthetic_study(alone, {64, 48, 1, 2, 5, 3, 1, 0.4});
     experiment.scenes[0].reference_method = "path max_depth=4";
-    study = judged(experiment);
-    CHECK(entry_of(study, "path max_depth=4", "beauty").judgement() == BiasJudgement::none_found);
-    CHECK(has(entry_of(study, "path max_depth=4", "beauty").verdict.note, "a mistake in both is not found"));
+    study = checked(experiment);
+    CHECK(entry_of(study, "path max_depth=4", "beauty").conclusion() == BiasConclusion::none_found);
+    CHECK(has(entry_of(study, "path max_depth=4", "beauty").result.note, "a mistake in both is not found"));
 }
 
 TEST_CASE("with a reference of unknown error, a bias needs confirmation by another method's images", "[study][gate]") {
@@ -147,36 +147,36 @@ TEST_CASE("with a reference of unknown error, a bias needs confirmation by anoth
     Experiment experiment = write_synthetic_study(folder, {64, 48, 1, 4, 5, 3, 2, 0.4});
     experiment.scenes[0].reference_method = "path max_depth=4";
     spoil_reference(experiment.scenes[0], "bounce1", 1.1);
-    const Study study = judged(experiment);
+    const Study study = checked(experiment);
     const BiasEntry &met = entry_of(study, "skewed", "bounce1"), &wrong = entry_of(study, "skewed", "bounce2");
-    CHECK(met.verdict.differs);  // by the 10 % that only the reference has
-    CHECK(met.judgement() == BiasJudgement::cannot_tell);
-    CHECK(has(verdict_of(study, met),
+    CHECK(met.result.differs);  // by the 10 % that only the reference has
+    CHECK(met.conclusion() == BiasConclusion::cannot_tell);
+    CHECK(has(result_of(study, met),
               "cannot tell: it differs from the reference, whose own error is unknown, and no "
               "other method's images confirm it: -9"));
     CHECK(wrong.convicts());  // the path's own images confirm it
-    CHECK(entry_of(study, "path max_depth=4", "bounce1").judgement() == BiasJudgement::cannot_tell);
-    const std::vector<std::string> lines = verdict_lines(study);
+    CHECK(entry_of(study, "path max_depth=4", "bounce1").conclusion() == BiasConclusion::cannot_tell);
+    const std::vector<std::string> lines = result_lines(study);
     REQUIRE(lines.size() == 2);
     CHECK(has(lines[1], "whose own error is unknown"));
     // Unknown noise is not subtracted, and no plot claims so.
     for (const Plot& plot : plots_of(study)) CHECK_FALSE(has(plot.json, "noise subtracted"));
     const Folder known;
-    CHECK(has(plots_of(judged(write_synthetic_study(known, small))).front().json, "noise subtracted"));
+    CHECK(has(plots_of(checked(write_synthetic_study(known, small))).front().json, "noise subtracted"));
 }
 
 TEST_CASE("with a bias or missing paths, times to an error are not extrapolated", "[study][gate]") {
     const Folder folder;
     Experiment experiment = write_synthetic_study(folder, {64, 48, 1, 4, 5, 3, 3, 0.4});
     const auto least_time = [&](const char* variant, const char* channel) {
-        return judged(experiment).curve("ramp", variant, channel)->times.back().seconds;
+        return checked(experiment).curve("ramp", variant, channel)->times.back().seconds;
     };
     REQUIRE(std::isfinite(least_time("path max_depth=4", "bounce2").value));
     const Interval biased = least_time("clamped", "beauty");
     CHECK(std::isnan(biased.value));
     CHECK(matches(biased.note, "not followed beyond [0-9.]+ % after [0-9.]+ s, because it differs by -.*"));
-    for (Cell& cell : experiment.cells)
-        if (cell.method == "path") cell.omits = {{"C[DSV][DSV].*", "renderman"}};
+    for (StudyRun& run : experiment.runs)
+        if (run.method == "path") run.omits = {{"C[DSV][DSV].*", "renderman"}};
     const Interval without = least_time("path max_depth=4", "bounce2");
     CHECK(std::isnan(without.value));
     CHECK(has(without.note, "because it does not find C[DSV][DSV].*"));
@@ -186,26 +186,26 @@ TEST_CASE("with a bias or missing paths, times to an error are not extrapolated"
 TEST_CASE("the first wrong path belongs to the channel in the verdict", "[study][gate]") {
     const Folder folder;
     const Experiment experiment = write_synthetic_study(folder, {64, 48, 1, 4, 5, 3, 3, 0.4});
-    Study study = judged(experiment);
+    Study study = checked(experiment);
     REQUIRE_FALSE(study.words.empty());
     for (BiasEntry& entry : study.bias)
-        if (entry.channel == "beauty") entry.verdict.differs = false;
+        if (entry.channel == "beauty") entry.result.differs = false;
     study.words = {
         {"ramp", "skewed", {{{"rest", "C,- L,-", "", 2, 0.001}, {"bounce2", "C,- R,D L,-", "", 3, 1e-5}}, {}}}};
-    REQUIRE(first_word(study, "ramp", "skewed") != nullptr);
-    CHECK(first_word(study, "ramp", "skewed")->channel == "bounce2");
+    REQUIRE(first_counterexample(study, "ramp", "skewed") != nullptr);
+    CHECK(first_counterexample(study, "ramp", "skewed")->channel == "bounce2");
     study.words[0].first.words.pop_back();
-    CHECK(first_word(study, "ramp", "skewed") == nullptr);
-    CHECK_FALSE(has(verdict_lines(study)[1], "first wrong path"));
+    CHECK(first_counterexample(study, "ramp", "skewed") == nullptr);
+    CHECK_FALSE(has(result_lines(study)[1], "first wrong path"));
 }
 
 TEST_CASE("the page begins with all channels by all methods, and the best method", "[study][report][gate]") {
     if (!read_d3()) RAYLEX_SKIP("needs the package libjs-d3");
     const Folder folder;
     Experiment experiment = write_synthetic_study(folder, {64, 48, 1, 6, 5, 3, 2, 0.4});
-    for (Cell& cell : experiment.cells)  // four times as slow
-        if (cell.method == "skewed") cell.wall_seconds *= 4;
-    const Study study = judged(experiment);
+    for (StudyRun& run : experiment.runs)  // four times as slow
+        if (run.method == "skewed") run.wall_seconds *= 4;
+    const Study study = checked(experiment);
     REQUIRE(study.comparisons.size() == 3);
     const MethodComparison& bounce1 = study.comparisons[1];
     CHECK(bounce1.channel == "bounce1");
@@ -222,12 +222,12 @@ TEST_CASE("the page begins with all channels by all methods, and the best method
                   "path max_depth=4 for bounce1: [0-9.]+ times less squared error in the same time than skewed "
                   "\\[[0-9.]+, [0-9.]+\\]"));
     const std::string page = page_of(folder, experiment);
-    const std::size_t table = page.find("<div class=\"first\">"), verdicts = page.find("Every split sums");
+    const std::size_t table = page.find("<div class=\"first\">"), results = page.find("Every split sums");
     REQUIRE(table != std::string::npos);
-    CHECK(table < verdicts);
+    CHECK(table < results);
     CHECK(page.find("<table") > table);
     CHECK(has(page, "1 % not reached"));  // skewed, in its wrong channel, stops at its bias
-    CHECK(has(page.substr(table, verdicts - table), "<b>"));
+    CHECK(has(page.substr(table, results - table), "<b>"));
     CHECK_FALSE(has(page, "against seconds</th>"));
     CHECK(count_matches(page, "Slope over the last 4 octaves") == 3);  // one column, in the panel of each channel
     // The axis of samples shows the budgets of the study.
@@ -241,7 +241,7 @@ TEST_CASE("the page begins with all channels by all methods, and the best method
 TEST_CASE("errors at a time between budgets, and outside of them", "[study]") {
     const Folder folder;
     Experiment experiment = write_synthetic_study(folder, {32, 24, 1, 1, 5, 3, 2, 0.4});  // one budget each
-    const MethodComparison one = judged(experiment).comparisons[1];
+    const MethodComparison one = checked(experiment).comparisons[1];
     CHECK_FALSE(one.standings[0].extrapolated);
     CHECK(one.standings[1].extrapolated);  // it took longer than the path's only budget
     CHECK(one.standings[1].squared.value > one.standings[0].squared.value);

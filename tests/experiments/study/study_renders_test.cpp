@@ -31,7 +31,7 @@ PixelArray rendered(const transport::SceneDescription& scene, std::uint64_t samp
 }
 
 struct Coverage {
-    int covered = 0, judged = 0, heavy = 0;
+    int covered = 0, checked = 0, heavy = 0;
 };
 
 /// 200 sets of `replicates` renders each. The truth is the mean error of all of them: its own error, 1/14 of a set's,
@@ -61,11 +61,11 @@ Coverage measure(const std::string& name, std::uint64_t samples, std::size_t rep
         if (heavy[set]) continue;
         const Interval interval = mean_interval(errors[set]);
         result.covered += interval.low <= truth && truth <= interval.high;
-        ++result.judged;
+        ++result.checked;
     }
     std::printf(
         "%s, %zu sets of %zu renders: %d intervals of %d valid ones contain the truth, %d said to have a heavy tail\n",
-        name.c_str(), sets, replicates, result.covered, result.judged, result.heavy);
+        name.c_str(), sets, replicates, result.covered, result.checked, result.heavy);
     return result;
 }
 
@@ -75,7 +75,7 @@ TEST_CASE("95 % intervals cover the errors of real renders", "[.full][study][sta
     // 200 sets: one binomial standard error is 1.5 %. 91 % is below 95 % by 2.6 of them.
     const Coverage room = measure("cornell-color", 16, 8);
     CHECK(room.heavy <= 10);  // diffuse surfaces under a light with light sampling
-    CHECK(room.covered >= 0.91 * room.judged);
+    CHECK(room.covered >= 0.91 * room.checked);
     // Caustics of glass: intervals cover in two of three sets, so nearly all sets must have the note that theirs is not
     // valid.
     const Coverage glass = measure("still-life", 16, 8);

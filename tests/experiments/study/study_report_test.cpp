@@ -53,7 +53,7 @@ TEST_CASE("a study's report has the known results", "[study][report][gate]") {
     if (!has_d3()) RAYLEX_SKIP("needs the package libjs-d3");
     const Folder folder;
     const Experiment experiment = write_synthetic_study(folder, {});
-    std::filesystem::remove(experiment.cells[2].directory + "/bounce2.mean.npy");  // clamped, smallest budget
+    std::filesystem::remove(experiment.runs[2].directory + "/bounce2.mean.npy");  // clamped, smallest budget
     REQUIRE(write_study_report(experiment) == 0);
     keep_report(folder, "small");
     const std::string jsonl = folder.read("study/results.jsonl");
@@ -322,14 +322,14 @@ TEST_CASE("insets are the study's regions, else the places with the largest diff
     const Folder folder;
     Experiment experiment = write_synthetic_study(folder, {40, 40, 1, 1, 2, 3, 2, 0.01});
     // An additional error in the picture of `skewed`, the first replicate of its last budget.
-    for (const Cell& cell : experiment.cells)
-        if (cell.method == "skewed" && !cell.failed && cell.replicate == 0) {
-            auto image = read_mean(cell.directory, "beauty");
+    for (const StudyRun& run : experiment.runs)
+        if (run.method == "skewed" && !run.failed && run.replicate == 0) {
+            auto image = read_mean(run.directory, "beauty");
             REQUIRE(image);
             for (std::size_t y = 24; y < 32; ++y)
                 for (std::size_t x = 8; x < 16; ++x)
                     for (std::size_t c = 0; c < 3; ++c) image->values[(y * 40 + x) * 3 + c] *= 3;
-            REQUIRE(write_npy(cell.directory + "/beauty.mean.npy", *image));
+            REQUIRE(write_npy(run.directory + "/beauty.mean.npy", *image));
         }
     auto study = study_of(experiment, {});
     REQUIRE(study);
@@ -370,6 +370,6 @@ TEST_CASE("a report of 200 cells with images stays small and opens soon", "[.ful
     REQUIRE(write_study_report(experiment) == 0);
     keep_report(folder, "large");
     const std::string page = folder.read("study/report.html");
-    std::printf("%zu cells: report.html %.1f MB\n", experiment.cells.size(), static_cast<double>(page.size()) * 1e-6);
+    std::printf("%zu cells: report.html %.1f MB\n", experiment.runs.size(), static_cast<double>(page.size()) * 1e-6);
     CHECK(page.size() < 60'000'000);
 }

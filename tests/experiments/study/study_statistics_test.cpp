@@ -142,8 +142,8 @@ TEST_CASE("slopes cover, and a shallow one is flagged where -1 is excluded", "[s
         REQUIRE(line);
         REQUIRE(line->least_x == Approx(std::log(64)));  // four octaves below 1024
         covered += line->slope_low <= -1 && -1 <= line->slope_high;
-        accused += judge_slope(unbiased, true).too_shallow;
-        caught += judge_slope(flattening, true).too_shallow;
+        accused += test_slope(unbiased, true).too_shallow;
+        caught += test_slope(flattening, true).too_shallow;
     }
     check_coverage(covered);
     CHECK(accused <= 40);  // 2.5 % on the shallow side, 25, plus three standard errors
@@ -164,10 +164,10 @@ TEST_CASE("a method with a start-up is not reported as biased", "[study][statist
             group.seconds.assign(6, budget);
             groups.push_back(group);
         }
-        const SlopeVerdict verdict = judge_slope(groups, true);
-        accused += verdict.too_shallow;
-        starting += verdict.nears;
-        if (verdict.nears) CHECK(verdict.text.starts_with("not at -1 yet, but closer with every octave: from -0."));
+        const SlopeTest result = test_slope(groups, true);
+        accused += result.too_shallow;
+        starting += result.nears;
+        if (result.nears) CHECK(result.text.starts_with("not at -1 yet, but closer with every octave: from -0."));
     }
     CHECK(accused <= 40);    // 2.5 %, plus three standard errors
     CHECK(starting >= 950);  // of those with a slope visibly shallower than -1
@@ -183,17 +183,17 @@ TEST_CASE("with few budgets or replicates no method is too shallow", "[study]") 
         group.seconds.assign(3, budget);
         groups.push_back(group);
     }
-    CHECK(judge_slope(groups, true).too_shallow);
+    CHECK(test_slope(groups, true).too_shallow);
     groups.back().errors.pop_back();
     groups.back().samples.pop_back();
-    CHECK_FALSE(judge_slope(groups, true).too_shallow);
+    CHECK_FALSE(test_slope(groups, true).too_shallow);
     groups.pop_back();
-    CHECK_FALSE(judge_slope(groups, true).too_shallow);
-    CHECK(judge_slope(groups, true).text.starts_with("shallower than -1; not judged: needs four budgets"));
+    CHECK_FALSE(test_slope(groups, true).too_shallow);
+    CHECK(test_slope(groups, true).text.starts_with("shallower than -1; not judged: needs four budgets"));
 }
 
 TEST_CASE("a well-known slope is not called noisy, and no cause is claimed", "[study]") {
-    const auto verdict_on = [](double early, double late, double scatter) {
+    const auto result_on = [](double early, double late, double scatter) {
         std::vector<BudgetGroup> groups;
         double error = 1;
         for (double budget = 16; budget <= 1024; budget *= 2) {
@@ -205,14 +205,14 @@ TEST_CASE("a well-known slope is not called noisy, and no cause is claimed", "[s
             groups.push_back(group);
             error *= std::exp2(budget < 256 ? early : late);
         }
-        return judge_slope(groups, true);
+        return test_slope(groups, true);
     };
-    const SlopeVerdict open = verdict_on(-0.955, -0.955, 0.03), near = verdict_on(-0.9, -0.97, 0.001);
-    REQUIRE(open.judged()->slope_high < -0.9);  // well known, and not -1
-    REQUIRE(open.judged()->slope_low > -0.98);
+    const SlopeTest open = result_on(-0.955, -0.955, 0.03), near = result_on(-0.9, -0.97, 0.001);
+    REQUIRE(open.checked()->slope_high < -0.9);  // well known, and not -1
+    REQUIRE(open.checked()->slope_low > -0.98);
     CHECK_FALSE(open.too_shallow);
     CHECK(open.text.find("not certain for the last 2") != std::string::npos);
-    for (const SlopeVerdict& each : {open, near}) {
+    for (const SlopeTest& each : {open, near}) {
         CAPTURE(each.text);
         CHECK(each.text.find("noisy") == std::string::npos);
         CHECK(each.text.find("start-up") == std::string::npos);
@@ -316,9 +316,9 @@ TEST_CASE("the bias test keeps its level and finds the stated detectable bias", 
             clean.replicates.push_back(draw(mean, sigma));
             planted.replicates.push_back(draw(mean + bias, sigma));
         }
-        const BiasVerdict verdict = test_bias(clean, reference, options);
-        alarms += verdict.differs;
-        stated += verdict.detectable_whole / repetitions;
+        const BiasTest result = test_bias(clean, reference, options);
+        alarms += result.differs;
+        stated += result.detectable_whole / repetitions;
         found += test_bias(planted, reference, options).differs;
     }
     CAPTURE(alarms, found, stated, bias / mean);
@@ -361,7 +361,7 @@ TEST_CASE("the bias test reports when it cannot judge", "[study]") {
     CHECK_FALSE(test_bias(one, two).tested);
     CHECK_FALSE(test_bias(two, other).differs);
     other.replicates = {{1, 1.01, 1.005}, {1, 1.01, 1.005}};
-    const BiasVerdict exact = test_bias(two, other);  // without noise any difference beyond rounding counts
+    const BiasTest exact = test_bias(two, other);  // without noise any difference beyond rounding counts
     CHECK(exact.differs);
     CHECK(exact.worst == 1);
     CHECK_FALSE(exact.worst_is_whole);
@@ -372,11 +372,11 @@ TEST_CASE("replicates that do not show their noise are not evidence of bias", "[
     // Light in the second block is so rare that no replicate met it; the reference did, and has its own noise.
     const BiasSide reference{{{1, 0.2, 0.5}}, {1e-6, 1e-4, 1e-6}};
     BiasSide method{{{1.01, 0, 0.505}, {0.99, 0, 0.495}, {1.02, 0, 0.51}, {0.98, 0, 0.49}}, {}};
-    BiasVerdict verdict = test_bias(method, reference);
-    CHECK(verdict.tested);
-    CHECK(verdict.worst == 1);
-    CHECK_FALSE(verdict.differs);
-    CHECK(verdict.blind == "none of 4 replicates has any light there");
+    BiasTest result = test_bias(method, reference);
+    CHECK(result.tested);
+    CHECK(result.worst == 1);
+    CHECK_FALSE(result.differs);
+    CHECK(result.blind == "none of 4 replicates has any light there");
     method.replicates[2][1] = 1e-5;
     CHECK(test_bias(method, reference).blind == "only 1 of 4 replicates have any light there");
     for (auto& replicate : method.replicates) replicate[1] = 0.01;
@@ -406,11 +406,11 @@ TEST_CASE("block means and their variances", "[study]") {
 }
 
 TEST_CASE("the first differing word belongs to no channel that agrees", "[study]") {
-    const std::vector<JudgedChannel> channels{{"direct", "C<R[DS]>[<L.>O]", "renderman", false, 0.4},
+    const std::vector<TestedChannel> channels{{"direct", "C<R[DS]>[<L.>O]", "renderman", false, 0.4},
                                               {"indirect", "C[DSV]{2,}[<L.>O]", "renderman", true, 1e-9},
                                               {"two", "C[DSV]{2}[<L.>O]", "renderman", false, 0.5},
                                               {"three", "CDDD+[<L.>O]", "renderman", true, 1e-6}};
-    const FirstWords first = first_differing_words(channels);
+    const Counterexamples first = find_counterexamples(channels);
     CAPTURE(first.notes);
     REQUIRE(first.words.size() == 2);
     // `two` agrees, so the shortest path of `indirect` that can be wrong has three bounces.

@@ -5,13 +5,13 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace raylex::experiments;
     const fuzz::AllocationMeter meter(fuzz::file_bytes);
-    const auto cell = cell_of_text(fuzz::Bytes(data, size).rest(), "fuzzed");
-    if (!cell) {
-        fuzz::require(cell.error().file == "fuzzed", "a refusal names the file: " + cell.error().message);
+    const auto run = run_of_text(fuzz::Bytes(data, size).rest(), "fuzzed");
+    if (!run) {
+        fuzz::require(run.error().file == "fuzzed", "a refusal names the file: " + run.error().message);
         return 0;
     }
-    const std::string text = cell_text(*cell);
-    const auto again = cell_of_text(text, "written");
-    fuzz::require(again.ok() && cell_text(*again) == text, "what was read can be written and read: " + text);
+    const std::string text = run_text(*run);
+    const auto again = run_of_text(text, "written");
+    fuzz::require(again.ok() && run_text(*again) == text, "what was read can be written and read: " + text);
     return 0;
 }

@@ -15,13 +15,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     source.name = "fuzzed";
     source.dialect = choice % 2 == 0 ? Dialect::renderman : Dialect::osl;
     source.expression = bytes.rest();
-    const auto program = Program::compile({&source, 1}, {.any_word = choice >= 2});
+    const auto program = Program::compile({&source, 1}, {.any_path_string = choice >= 2});
     if (!program) {
         fuzz::require(!program.error().message.empty(), "a refusal says why");
         return 0;
     }
     fuzz::require(program->state_count() >= 1 && program->starts().size() <= 1, "one channel is at most one automaton");
-    const auto word = find_word(source);
+    const auto word = find_path_string(source);
     if (word && word->has_value()) {
         const auto matches = match(source.expression, (*word)->events, source.dialect);
         fuzz::require(matches.ok() && *matches, "the shortest word is accepted");

@@ -21,7 +21,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     ChannelSource source;
     source.expression = oracle::text_of(sequence, dialect);
     source.dialect = dialect;
-    const auto program = Program::compile({&source, 1}, {.any_word = true});
+    const auto program = Program::compile({&source, 1}, {.any_path_string = true});
     fuzz::require(tree != nullptr || !program.ok(), "what is no expression is refused: " + source.expression);
     if (!program) return 0;  // no expression, or one too large for lpe/limits.h
     State state = program->starts()[0];

@@ -23,7 +23,7 @@ std::vector<ChannelSource> sources(const std::vector<std::string>& texts) {
 }
 
 /// Words of W with at most `longest` events, without labels, lobe numbers and pass-through events.
-std::vector<std::vector<Event>> short_words(std::size_t longest) {
+std::vector<std::vector<Event>> short_path_strings(std::size_t longest) {
     std::vector<Event> scattering{{EventType::volume, Scatter::none, 0, {}}};
     for (const EventType type : {EventType::reflection, EventType::transmission}) {
         for (const Scatter scatter : {Scatter::diffuse, Scatter::glossy, Scatter::singular}) {
@@ -78,8 +78,8 @@ constexpr std::size_t longest = 4;
 
 TEST_CASE("equality, containment and emptiness agree with enumeration, and their counterexamples are shortest",
           "[gate]") {
-    const auto words = short_words(longest);
-    Words without_straight;  // the enumeration has none
+    const auto words = short_path_strings(longest);
+    PathStrings without_straight;  // the enumeration has none
     without_straight.straight = false;
     std::vector<std::vector<bool>> sets;
     for (const std::string& text : expressions) { sets.push_back(accepted(source(text), words)); }
@@ -122,8 +122,8 @@ TEST_CASE("equality, containment and emptiness agree with enumeration, and their
 
 TEST_CASE("complement, union, intersection and difference have the paths that enumeration finds, and the same counts",
           "[gate]") {
-    const auto words = short_words(longest);
-    Words without_straight;
+    const auto words = short_path_strings(longest);
+    PathStrings without_straight;
     without_straight.straight = false;
     PathSetOptions options;
     options.longest_counted = longest;
@@ -185,7 +185,7 @@ TEST_CASE("the samples of a set of paths belong to it") {
 }
 
 TEST_CASE("every expression for the beauty is recognised as the beauty") {
-    Words no_medium;
+    PathStrings no_medium;
     no_medium.volume = false;
     for (const std::string text : {"C.*", "C.*[LOB]", "C.+", "lpe:C.*", "C[DSV]*[<L.>O]", "C.*L|O|B"}) {
         const auto beauty = is_beauty(source(text));
@@ -199,10 +199,10 @@ TEST_CASE("every expression for the beauty is recognised as the beauty") {
     CHECK_FALSE(*is_beauty(source("C[DS]*[<L.>O]")));
     CHECK(*is_beauty(source("C[DS]*[<L.>O]"), no_medium));
     CHECK_FALSE(*is_beauty(source("C[DS]*L"), no_medium));
-    Words no_emission = no_medium;
+    PathStrings no_emission = no_medium;
     no_emission.emission = false;
     CHECK(*is_beauty(source("C[DS]*L"), no_emission));
-    Words shallow;
+    PathStrings shallow;
     shallow.max_depth = 2;
     CHECK(*is_beauty(source("C.{1,3}"), shallow));
     CHECK_FALSE(*is_beauty(source("C.{1,3}")));
@@ -217,7 +217,7 @@ TEST_CASE("the summary of a partition mentions that its expression is the beauty
     channels[1].name = "b";
     const auto report = check_partition(channels, source("C.*[LOB]"));
     REQUIRE(report);
-    CHECK(report->verdict == Verdict::partition);
+    CHECK(report->result == SplitProof::partition);
     CHECK(report->summary.find("the beauty") != std::string::npos);
 }
 
@@ -239,7 +239,7 @@ TEST_CASE("proofs can mix dialects, and identify each expression") {
     // renderman words have no pass-through events, so the osl channel misses paths through a cutout.
     CHECK_FALSE(equal->holds);
     CHECK(equal->summary.find("osl:") != std::string::npos);
-    Words no_cutouts;
+    PathStrings no_cutouts;
     no_cutouts.straight = false;
     CHECK(check_equal(sources({"C<RD>L", "osl:C<RD>[LB]"}), no_cutouts)->holds);
     const auto prefixes = check_equal(sources({"noclamp;CL", "CL"}));

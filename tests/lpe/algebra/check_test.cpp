@@ -40,11 +40,11 @@ TEST_CASE("the shipped partition is a partition of the beauty in both dialects",
         const auto report = check_partition(shipped(dialect));
         REQUIRE(report);
         INFO(report->summary);
-        CHECK(report->verdict == Verdict::partition);
+        CHECK(report->result == SplitProof::partition);
         const auto of_beauty =
             check_partition(shipped(dialect), channel_of(std::string(beauty_expression(dialect)), dialect));
         REQUIRE(of_beauty);
-        CHECK(of_beauty->verdict == Verdict::partition);
+        CHECK(of_beauty->result == SplitProof::partition);
     }
 }
 
@@ -56,7 +56,7 @@ TEST_CASE("no layer of the shipped partition can be omitted", "[check]") {
             some.erase(some.begin() + static_cast<std::ptrdiff_t>(left_out));
             const auto report = check_partition(some);
             REQUIRE(report);
-            REQUIRE(report->verdict == Verdict::missed);
+            REQUIRE(report->result == SplitProof::missed);
             // The witness is a path of exactly the removed layer.
             const auto inside = match(all[left_out].expression, report->witness.events, dialect);
             REQUIRE(inside);
@@ -66,16 +66,16 @@ TEST_CASE("no layer of the shipped partition can be omitted", "[check]") {
 }
 
 TEST_CASE("RenderMan's basic set is a partition of surface light and misses volumes", "[check]") {
-    Words surfaces;
+    PathStrings surfaces;
     surfaces.volume = false;
     const auto proved = check_partition(renderman_basic_set(), std::nullopt, surfaces);
     REQUIRE(proved);
     INFO(proved->summary);
-    CHECK(proved->verdict == Verdict::partition);
+    CHECK(proved->result == SplitProof::partition);
 
     const auto refuted = check_partition(renderman_basic_set());
     REQUIRE(refuted);
-    CHECK(refuted->verdict == Verdict::missed);
+    CHECK(refuted->result == SplitProof::missed);
     CHECK(refuted->witness.text == "C,- V,- L,-");
     CHECK(refuted->witness.sentence == "camera, volume scattering, light");
     CHECK(refuted->channels.empty());
@@ -86,7 +86,7 @@ TEST_CASE("overlapping channels are refuted by the shortest path that both count
     const auto report =
         check_partition(channels_of({{"diffuse", "C<RD>.*"}, {"key", "C.*<L.'key'>"}, {"rest", "C[^<RD>].*"}}));
     REQUIRE(report);
-    CHECK(report->verdict == Verdict::counted_twice);
+    CHECK(report->result == SplitProof::counted_twice);
     CHECK(report->witness.text == "C,- L,-,key");
     CHECK(report->channels == std::vector<std::size_t>{1, 2});
 
@@ -103,12 +103,12 @@ TEST_CASE("paths outside a declared beauty are named", "[check]") {
     const auto channels = channels_of({{"direct", "CDL"}, {"all", "CD[DS]+L"}, {"glow", "CO"}});
     const auto report = check_partition(channels, channel_of("CD[DS]*L"));
     REQUIRE(report);
-    CHECK(report->verdict == Verdict::outside);
+    CHECK(report->result == SplitProof::outside);
     CHECK(report->channels == std::vector<std::size_t>{2});
     CHECK(report->witness.text == "C,- O,-");
     const auto holds = check_partition({channels.data(), 2}, channel_of("CD[DS]*L"));
     REQUIRE(holds);
-    CHECK(holds->verdict == Verdict::partition);
+    CHECK(holds->result == SplitProof::partition);
 }
 
 TEST_CASE("the rest of channels completes a partition", "[check]") {
@@ -117,7 +117,7 @@ TEST_CASE("the rest of channels completes a partition", "[check]") {
     const auto report = check_partition(channels);
     REQUIRE(report);
     INFO(report->summary);
-    CHECK(report->verdict == Verdict::partition);
+    CHECK(report->result == SplitProof::partition);
 
     auto bad = channels;
     bad[2].rest_of = {2};
@@ -135,15 +135,15 @@ TEST_CASE("channels with prefixes cannot be part of a partition", "[check][law7]
 }
 
 TEST_CASE("a scene's alphabet determines what a channel can match", "[check]") {
-    Words scene;
+    PathStrings scene;
     scene.alphabet = Alphabet{{{EventType::reflection, Scatter::diffuse, 0, {"floor", "diffuse"}}},
                               {{EventType::light, Scatter::none, 0, {"key"}}}};
-    const auto floor = find_word(channel_of("C<RD'floor'>L"), scene);
+    const auto floor = find_path_string(channel_of("C<RD'floor'>L"), scene);
     REQUIRE(floor);
     REQUIRE(floor->has_value());
     CHECK((*floor)->text == "C,- R,D,floor,diffuse L,-,key");
     for (const char* never : {"C<RD'flor'>L", "CSL", "CV.*", "CB", "C<RD>U2L"}) {
-        const auto word = find_word(channel_of(never), scene);
+        const auto word = find_path_string(channel_of(never), scene);
         REQUIRE(word);
         CHECK_FALSE(word->has_value());
     }
@@ -192,18 +192,18 @@ TEST_CASE("a partition of osl channels is proved with straight-through events as
         channels_of({{"emissive", "C[LOB]"}, {"surface", "C[DGS].*"}, {"volume", "CV.*"}}, Dialect::osl);
     const auto refuted = check_partition(partial);
     REQUIRE(refuted);
-    CHECK(refuted->verdict == Verdict::missed);
+    CHECK(refuted->result == SplitProof::missed);
     CHECK(refuted->witness.text == "C,- T,s L,-");
-    Words opaque;
+    PathStrings opaque;
     opaque.straight = false;
     const auto proved = check_partition(partial, std::nullopt, opaque);
     REQUIRE(proved);
-    CHECK(proved->verdict == Verdict::partition);
+    CHECK(proved->result == SplitProof::partition);
 }
 
 TEST_CASE("no channels at all miss the shortest path of the beauty", "[check]") {
     const auto report = check_partition({});
     REQUIRE(report);
-    CHECK(report->verdict == Verdict::missed);
+    CHECK(report->result == SplitProof::missed);
     CHECK(report->witness.text == "C,- L,-");
 }

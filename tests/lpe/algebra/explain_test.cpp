@@ -24,7 +24,7 @@ ChannelSource source_of(const std::string& text) {
     return channel;
 }
 
-Explanation explained(const std::string& text, const Words& words = {}) {
+Explanation explained(const std::string& text, const PathStrings& words = {}) {
     const auto explanation = explain(source_of(text), words);
     CAPTURE(text);
     REQUIRE(explanation);
@@ -100,7 +100,7 @@ TEST_CASE("the beauty, shipped channels and names are recognised by meaning", "[
     const Explanation surfaces = explained("C[DS]*[<L.>O]");
     CHECK_FALSE(surfaces.beauty);
     CHECK(any_has(surfaces.same_as, "It is the beauty where there is no medium."));
-    Words no_medium;
+    PathStrings no_medium;
     no_medium.volume = false;
     CHECK(explained("C[DS]*[<L.>O]", no_medium).beauty);
     CHECK_FALSE(explained("noclamp;C.*").beauty);
@@ -149,7 +149,7 @@ TEST_CASE("typos give warnings") {
     CHECK(explained("osl:C<R.'coat'>.*").warnings.empty());
     CHECK(explained("C<RD>[DSV]+[<L.>O]").warnings.empty());
     // In a scene without the label, a piece that can never match.
-    Words scene;
+    PathStrings scene;
     scene.alphabet =
         Alphabet{{{EventType::reflection, Scatter::diffuse, 0, {"floor"}}}, {{EventType::light, Scatter::none, 0, {}}}};
     CHECK(any_has(explained("C[<RD'flor'><RD'floor'>]L", scene).warnings, "'<RD'flor'>' (column 3) can never match"));

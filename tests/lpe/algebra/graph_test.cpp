@@ -25,7 +25,7 @@ std::vector<ChannelSource> graph_sources(const std::vector<std::string>& texts, 
 }
 
 /// Words of W of at most four events. Their events match and miss every label and lobe number of the tests.
-std::vector<std::vector<Event>> some_words() {
+std::vector<std::vector<Event>> some_path_strings() {
     const std::vector<Event> scattering = *parse_events("R,D R,D,a T,D,a R,G R,S2 T,S T,G,b V,- V,-,a");
     const std::vector<Event> ends = *parse_events("L,- L,-,k B,- B,-,k O,-,k");
     std::vector<std::vector<Event>> prefixes{{Event{}}};
@@ -84,7 +84,7 @@ TEST_CASE("following a graph by its labels accepts what the channels accept", "[
         const auto graph = graph_of(channels);
         REQUIRE(graph);
         std::size_t seen = 0;
-        for (const std::vector<Event>& path : some_words()) {
+        for (const std::vector<Event>& path : some_path_strings()) {
             if (path.size() == 4 && ++seen % 5 != 0) {
                 continue;  // each label is compiled, so a fifth of the long words has to do
             }

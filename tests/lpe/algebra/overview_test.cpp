@@ -19,8 +19,8 @@ using lpe_test::channels_of;
 
 namespace {
 
-Words surfaces() {
-    Words words;
+PathStrings surfaces() {
+    PathStrings words;
     words.volume = false;
     return words;
 }
@@ -111,14 +111,14 @@ TEST_CASE("an overview of five hundred channels works, with all or no overlaps",
 }
 
 TEST_CASE("known light groups and labels restrict the words", "[words]") {
-    Words words;
+    PathStrings words;
     words.volume = false;
     words.light_groups = {"key", "fill"};
     words.unlabelled_lights = false;
     const auto split = channels_of({{"key", "C[DS]*<L.'key'>"}, {"fill", "C[DS]*<L.'fill'>"}, {"glow", "C[DS]*O"}});
     const auto report = check_partition(split, std::nullopt, words);
     REQUIRE(report);
-    CHECK(report->verdict == Verdict::partition);
+    CHECK(report->result == SplitProof::partition);
     words.unlabelled_lights = true;
     const auto unlabelled = check_partition(split, std::nullopt, words);
     REQUIRE(unlabelled);
@@ -129,16 +129,16 @@ TEST_CASE("known light groups and labels restrict the words", "[words]") {
     REQUIRE(rim);
     CHECK(rim->witness.text == "C,- L,-,rim");
 
-    Words objects;
+    PathStrings objects;
     objects.object_labels = {"floor"};
     const auto by_object =
         channels_of({{"floor", "C<[RTV].'floor'>.*"}, {"plain", "C<[RTV].''>.*"}, {"seen", "C[LO]"}});
     const auto floors = check_partition(by_object, std::nullopt, objects);
     REQUIRE(floors);
-    CHECK(floors->verdict == Verdict::partition);
+    CHECK(floors->result == SplitProof::partition);
     const auto anything = check_partition(by_object);
     REQUIRE(anything);
-    CHECK(anything->verdict == Verdict::missed);
+    CHECK(anything->result == SplitProof::missed);
 }
 
 TEST_CASE("channels of several splits are sorted into them", "[sorting]") {
@@ -157,7 +157,7 @@ TEST_CASE("channels of several splits are sorted into them", "[sorting]") {
         for (const std::size_t channel : partition) { members.push_back(channels[channel]); }
         const auto report = check_partition(members, std::nullopt, surfaces());
         REQUIRE(report);
-        CHECK(report->verdict == Verdict::partition);
+        CHECK(report->result == SplitProof::partition);
     }
     const auto none = sort_into_partitions(channels);  // with media no split is complete
     REQUIRE(none);
@@ -183,7 +183,7 @@ TEST_CASE("a rest for RenderMan has only RenderMan's own syntax", "[rest]") {
         whole.push_back(channels_of({{"rest", **text}}).front());
         const auto proof = check_partition(whole, std::nullopt, surfaces());
         REQUIRE(proof);
-        CHECK(proof->verdict == Verdict::partition);
+        CHECK(proof->result == SplitProof::partition);
     }
     // RenderMan's syntax cannot express V.
     const auto volume = rest_expression(channels_of({{"surfaces", "C[DS]*[LO]"}}), std::nullopt, {}, Reader::renderman);
@@ -192,7 +192,7 @@ TEST_CASE("a rest for RenderMan has only RenderMan's own syntax", "[rest]") {
 }
 
 TEST_CASE("a rest is as short within a scene as without one", "[rest]") {
-    Words scene;
+    PathStrings scene;
     Alphabet alphabet;
     for (const char* label : {"floor", "wall", "lamp"}) {
         alphabet.scattering.push_back({EventType::reflection, Scatter::diffuse, 2, {label, "diffuse"}});

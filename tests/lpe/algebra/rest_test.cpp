@@ -78,7 +78,7 @@ TEST_CASE("the rest of a split of less than the beauty stays inside it", "[rest]
 }
 
 TEST_CASE("the words of a scene make rests shorter", "[rest]") {
-    Words words;
+    PathStrings words;
     words.volume = false;
     words.emission = false;
     words.background = false;
@@ -111,7 +111,7 @@ TEST_CASE("every printed rest is proved: random sets of channels", "[rest][gate]
             channels.back().name = "rest";
             const auto proof = check_partition(channels);
             REQUIRE(proof);
-            CHECK(proof->verdict == Verdict::partition);
+            CHECK(proof->result == SplitProof::partition);
         }
         const auto same = plain_expression(channels.front());
         REQUIRE(same);

@@ -94,13 +94,13 @@ TEST_CASE("every combination of axes is a partition in both dialects", "[split][
             // Prove it once more from the texts.
             const auto proof = check_partition(split->channels, std::nullopt, request.words);
             REQUIRE(proof);
-            CHECK(proof->verdict == Verdict::partition);
+            CHECK(proof->result == SplitProof::partition);
             std::set<std::string> names;
             for (const ChannelSource& channel : split->channels) {
                 CHECK(names.insert(channel.name).second);
                 CHECK(channel.name.find_first_not_of(
                           "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-") == std::string::npos);
-                const auto word = find_word(channel, request.words);
+                const auto word = find_path_string(channel, request.words);
                 REQUIRE(word);
                 CHECK(word->has_value());  // no bin is empty
             }

@@ -11,7 +11,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "display/services/samples/path_words.h"
+#include "display/services/samples/batch_path_strings.h"
 #include "lpe/match.h"
 #include "tests/services/lpe_helpers.h"
 
@@ -37,9 +37,9 @@ class Fixture {
         auto events = lpe::parse_events("R,D R,G R,S T,D T,S V,- L,- B,-");
         REQUIRE(events);
         for (std::size_t i = 0; i < events->size(); ++i) (*events)[i].labels.resize(i < 6 ? 2 : 1);
-        auto alphabet = WordAlphabet::build(*events, {});
+        auto alphabet = PathAlphabet::build(*events, {});
         REQUIRE(alphabet);
-        REQUIRE(setup_.keep_words(*std::move(alphabet)));
+        REQUIRE(setup_.keep_path_strings(*std::move(alphabet)));
         table_.emplace(channels_, batch_rows);
         services_.emplace(setup_, *table_, 1);
         const test::Classes classes(setup_);
@@ -69,17 +69,17 @@ class Fixture {
     /// The word in the notation of the added paths, "DGL" or "D*L"; `*` is an open letter.
     [[nodiscard]] std::string text(std::uint32_t word) const {
         std::string text;
-        for (const WordTree::Letter letter : atlas_.words().letters(word)) {
+        for (const PathStringTree::Letter letter : atlas_.words().letters(word)) {
             char found = '*';
             for (const auto& [name, event] : class_of_)
-                if (letter != WordAlphabet::open &&
+                if (letter != PathAlphabet::open &&
                     setup_.words()->letter(setup_.words()->column(event_of(name))) == letter)
                     found = name;
             text += found;
         }
         return text;
     }
-    [[nodiscard]] std::map<std::string, PathAtlas::Light> words_of(std::size_t pixel) const {
+    [[nodiscard]] std::map<std::string, PathAtlas::Light> path_strings_of(std::size_t pixel) const {
         std::vector<PathAtlas::Light> lights;
         atlas_.resolve(pixel, 0, lights);
         std::map<std::string, PathAtlas::Light> words;
@@ -114,7 +114,7 @@ TEST_CASE("light that came once counts like any other: alone, with more of its e
     fixture.add(3, 0, {{0, "DL", {1, 2, 4}}, {0, "GL", {1, 0, 0}}, {0, "SL", {8, 8, 8}}, {1, "VL", {2, 2, 2}}});
     // Sample 24 of a pixel belongs to eighth 0, too; sample 17 to eighth 1.
     fixture.add(3, 16, {{8, "DL", {1, 1, 1}}, {1, "GL", {0, 1, 0}}, {2, "VL", {1, 0, 0}}, {3, "VL", {0, 0, 1}}});
-    const auto words = fixture.words_of(3);
+    const auto words = fixture.path_strings_of(3);
     REQUIRE(words.size() == 4);
     const auto check = [&](const std::string& word, const std::array<double, 3>& rgb,
                            const std::map<std::size_t, double>& eighths) {
@@ -129,7 +129,7 @@ TEST_CASE("light that came once counts like any other: alone, with more of its e
     check("SL", {8, 8, 8}, {{0, 24}});
     check("VL", {3, 2, 3}, {{1, 6}, {2, 1}, {3, 1}});
     CHECK(fixture.atlas().entry_count() == 4);
-    CHECK(fixture.words_of(4).empty());
+    CHECK(fixture.path_strings_of(4).empty());
 }
 
 TEST_CASE("light that came once needs half the memory, and the rest when it comes again", "[path_atlas]") {
@@ -175,7 +175,7 @@ TEST_CASE(
             bool first_lost = false, second_kept = false;
             for (std::size_t pixel = 0; pixel < atlas_pixels; ++pixel) {
                 double found_direct = 0, found_indirect = 0, eighths = 0, all = 0;
-                for (const auto& [word, light] : fixture.words_of(pixel)) {
+                for (const auto& [word, light] : fixture.path_strings_of(pixel)) {
                     const double whole = batch_rows * (phase + 1) * sum_of(light.rgb);
                     if (word.size() == 2) found_direct += whole;  // "DL", "*L"
                     if (word.size() > 2) found_indirect += whole;
@@ -194,8 +194,8 @@ TEST_CASE(
             CHECK_FALSE((first_lost && !first_lost_before && second_kept));
             first_lost_before = first_lost;
             some_first_lost = some_first_lost || first_lost;
-            some_whole = some_whole || fixture.atlas().merged_words() == 0;
-            some_both = some_both || (fixture.atlas().merged_words() > 0 && second_kept);
+            some_whole = some_whole || fixture.atlas().merged_path_strings() == 0;
+            some_both = some_both || (fixture.atlas().merged_path_strings() > 0 && second_kept);
             const bool all_merged = fixture.atlas().words().size() > 0 && first_lost &&
                                     fixture.atlas().entry_count() <= 4 * atlas_pixels * 2;
             CHECK((fixture.atlas().memory_bytes() <= budget || all_merged));
@@ -219,7 +219,7 @@ TEST_CASE("dark words are merged first", "[path_atlas]") {
     const std::uint64_t before = fixture.atlas().memory_bytes();
     REQUIRE(before > 215'000);
     fixture.atlas().end_phase();
-    const auto words = fixture.words_of(0);
+    const auto words = fixture.path_strings_of(0);
     CAPTURE(words.size());
     CHECK(words.count("DDL") == 1);
     CHECK(words.count("SDL") == 1);

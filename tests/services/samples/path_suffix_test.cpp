@@ -52,7 +52,7 @@ Tracker follow(LpeServices& services, PathSuffixes& words, int row, const Random
     PathSuffix word = services.begin(words, path.terminal);
     for (std::size_t k = path.vertices.size(); k-- > of_camera;)
         word = services.prepend(words, word, path.vertices[k], 1000 * k + static_cast<std::size_t>(row));
-    services.join(tracker, words, word);
+    services.connect(tracker, words, word);
     return tracker;
 }
 
@@ -156,13 +156,13 @@ TEST_CASE("a light subpath that no channel makes anything of is dead", "[path_su
     CHECK(word.live());
     CHECK(word.branches() == 1);  // of the diffuse lobe alone
     Tracker tracker = services.begin(0);
-    services.join(tracker, words, word);
+    services.connect(tracker, words, word);
     services.contribute(Rgb(8), Technique{}, tracker);
     CHECK(table.values(0)[0] == 2);  // a quarter of what the vertex scatters
     word = services.prepend(words, word, classes.diffuse);
     CHECK_FALSE(word.live());
     Tracker dead = services.begin(0);
-    services.join(dead, words, word);
+    services.connect(dead, words, word);
     CHECK_FALSE(services.channels_follow(dead));
     CHECK_FALSE(services.prepend(words, services.begin(words, classes.light), {}, 0).live());  // scatters nothing
 }
@@ -175,7 +175,7 @@ struct Counted {
     std::uint64_t overflow = 0;
 };
 
-Counted count_by_joins(LpeServices::Attribution attribution, int samples, int length, int of_camera) {
+Counted count_by_connections(LpeServices::Attribution attribution, int samples, int length, int of_camera) {
     const std::vector<ChannelDefinition> channels = test::count_diffuse(60);
     const LpeSetup setup = build_setup(channels, 0);
     const Classes classes(setup);
@@ -199,7 +199,7 @@ Counted count_by_joins(LpeServices::Attribution attribution, int samples, int le
         for (int k = of_camera; k < length; ++k)
             word = services.prepend(words, word, parts,
                                     static_cast<std::uint64_t>(sample) << 32 | static_cast<unsigned>(k));
-        services.join(tracker, words, word);
+        services.connect(tracker, words, word);
         services.contribute(Rgb(1), Technique{}, tracker);
         result.overflow += services.overflow_count();
         for (int c = 0; c < 3; ++c) {
@@ -250,7 +250,7 @@ TEST_CASE("light words that overflow keep every sum and are unbiased in every sh
     constexpr int samples = 4000, length = 40;
     for (const int of_camera : {0, 8, 20, 38}) {
         CAPTURE(of_camera);
-        const Counted counted = count_by_joins(LpeServices::Attribution::exact, samples, length, of_camera);
+        const Counted counted = count_by_connections(LpeServices::Attribution::exact, samples, length, of_camera);
         CHECK(counted.overflow >= samples);  // in the join if not before
         CHECK(counted.worst_sum < 1e-12);    // some thousand additions of shares at 2^-53
         check_binomial(counted, length, samples);
@@ -283,7 +283,7 @@ TEST_CASE("the connections of one camera vertex choose by numbers of their own",
         for (std::size_t i = 0; i < 2; ++i) {
             word = services.prepend(words, word, parts, 14 + i);
             Tracker joined = tracker;
-            services.join(joined, words, word);
+            services.connect(joined, words, word);
             services.contribute(Rgb(1), Technique{}, joined);
             const double value = table.raw_values(1 + 2)[0];
             found[i].push_back(value - before);
@@ -304,10 +304,10 @@ TEST_CASE("the connections of one camera vertex choose by numbers of their own",
 }
 
 TEST_CASE("a light word labelled by drawn lobes has the exact shares' mean", "[path_suffix][law5][statistical]") {
-    const Counted counted = count_by_joins(LpeServices::Attribution::picked, 4000, 20, 8);
+    const Counted counted = count_by_connections(LpeServices::Attribution::picked, 4000, 20, 8);
     CHECK(counted.overflow == 0);
     check_binomial(counted, 20, 4000);
-    const Counted exact = count_by_joins(LpeServices::Attribution::exact, 10, 20, 8);
+    const Counted exact = count_by_connections(LpeServices::Attribution::exact, 10, 20, 8);
     CHECK(exact.overflow == 0);
     for (const double error : exact.error) CHECK(error < 1e-8);  // attribution adds no noise: the same each time
 }

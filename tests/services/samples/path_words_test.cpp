@@ -1,5 +1,5 @@
 // Words of contributions, for a path atlas.
-#include "display/services/samples/path_words.h"
+#include "display/services/samples/batch_path_strings.h"
 
 #include <cmath>
 #include <map>
@@ -44,20 +44,20 @@ std::vector<ChannelDefinition> shipped_channels() {
     return channels;
 }
 
-LpeSetup setup_with_words(const std::vector<ChannelDefinition>& channels, const WordRules& rules) {
+LpeSetup setup_with_path_strings(const std::vector<ChannelDefinition>& channels, const PathStringRules& rules) {
     LpeSetup setup = build_setup(channels, 0);
-    auto alphabet = WordAlphabet::build(all_events(), rules);
+    auto alphabet = PathAlphabet::build(all_events(), rules);
     REQUIRE(alphabet);
-    REQUIRE(setup.keep_words(*std::move(alphabet)));
+    REQUIRE(setup.keep_path_strings(*std::move(alphabet)));
     return setup;
 }
 
 /// The letters of a word, each shown as the first event with that letter: "R,D R,S L,-"; "*" is an open letter.
-std::string text_of(const PathWords& words, const WordAlphabet& alphabet, std::uint32_t word) {
+std::string text_of(const BatchPathStrings& words, const PathAlphabet& alphabet, std::uint32_t word) {
     std::string text;
-    for (const WordTree::Letter letter : words.words().letters(word)) {
+    for (const PathStringTree::Letter letter : words.words().letters(word)) {
         text += text.empty() ? "" : " ";
-        if (letter == WordAlphabet::open) {
+        if (letter == PathAlphabet::open) {
             text += '*';
             continue;
         }
@@ -70,9 +70,9 @@ std::string text_of(const PathWords& words, const WordAlphabet& alphabet, std::u
     return text;
 }
 
-std::map<std::string, RgbD> light_by_word(const SampleTable& table, const WordAlphabet& alphabet, int row) {
+std::map<std::string, RgbD> light_by_path_string(const SampleTable& table, const PathAlphabet& alphabet, int row) {
     std::map<std::string, RgbD> light;
-    for (const PathWords::Entry& entry : table.words()->entries())
+    for (const BatchPathStrings::Entry& entry : table.words()->entries())
         if (entry.row == static_cast<std::uint32_t>(row))
             light[text_of(*table.words(), alphabet, entry.word)] += RgbD(entry.r, entry.g, entry.b);
     return light;
@@ -80,7 +80,7 @@ std::map<std::string, RgbD> light_by_word(const SampleTable& table, const WordAl
 
 TEST_CASE("a contribution is split into words by exact shares", "[path_words][law5]") {
     const std::vector<ChannelDefinition> channels{plain_channel("beauty", ChannelType::rgb)};
-    const LpeSetup setup = setup_with_words(channels, {});
+    const LpeSetup setup = setup_with_path_strings(channels, {});
     const Classes classes(setup);
     SampleTable table(channels, 4);
     LpeServices services(setup, table, 1);
@@ -90,19 +90,19 @@ TEST_CASE("a contribution is split into words by exact shares", "[path_words][la
     services.move(tracker, parts);
     services.move(tracker, classes.light);
     services.contribute(Rgb(8, 2, 1), {}, tracker);
-    const auto light = light_by_word(table, *setup.words(), 2);
+    const auto light = light_by_path_string(table, *setup.words(), 2);
     REQUIRE(light.size() == 2);
     // A colour without a value in any lobe belongs to the first lobe.
     CHECK(light.at("R,D L,-") == RgbD(2, 2, 1));
     CHECK(light.at("R,G L,-") == RgbD(6, 0, 0));
-    CHECK(light_by_word(table, *setup.words(), 0).empty());
+    CHECK(light_by_path_string(table, *setup.words(), 0).empty());
 }
 
 TEST_CASE("words have no limit on pairs, but channels of the same path do", "[path_words][law5]") {
     const std::vector<ChannelDefinition> channels = test::count_diffuse(30);
-    WordRules rules;
+    PathStringRules rules;
     rules.length = 40;
-    const LpeSetup setup = setup_with_words(channels, rules);
+    const LpeSetup setup = setup_with_path_strings(channels, rules);
     const Classes classes(setup);
     SampleTable table(channels, 1);
     LpeServices services(setup, table, 1);
@@ -116,7 +116,7 @@ TEST_CASE("words have no limit on pairs, but channels of the same path do", "[pa
     services.move(tracker, classes.light);
     services.contribute(Rgb(1), {}, tracker);
     double sum = 0;
-    for (const PathWords::Entry& entry : table.words()->entries()) sum += entry.g;
+    for (const BatchPathStrings::Entry& entry : table.words()->entries()) sum += entry.g;
     CHECK(table.words()->entries().size() == 59049);  // 3^10, all of them
     // Shares are products of ten fractions 1/4 and 1/2: exact, like their sum.
     CHECK(sum == 1);
@@ -124,9 +124,9 @@ TEST_CASE("words have no limit on pairs, but channels of the same path do", "[pa
 
 TEST_CASE("words of light subpaths are those of the whole path", "[path_words][path_suffix]") {
     const std::vector<ChannelDefinition> channels = shipped_channels();
-    WordRules rules;
+    PathStringRules rules;
     rules.length = 3;
-    const LpeSetup setup = setup_with_words(channels, rules);
+    const LpeSetup setup = setup_with_path_strings(channels, rules);
     const Classes classes(setup);
     const auto reversed = lpe::ReversedProgram::build(setup.program());
     REQUIRE(reversed);
@@ -149,18 +149,18 @@ TEST_CASE("words of light subpaths are those of the whole path", "[path_words][p
             for (std::size_t k = 0; k < of_camera; ++k) services.move(tracker, vertices[k]);
             PathSuffix word = services.begin(words, classes.light);
             for (std::size_t k = length; k-- > of_camera;) word = services.prepend(words, word, vertices[k], k);
-            services.join(tracker, words, word);
+            services.connect(tracker, words, word);
             services.contribute(Rgb(1, 2, 3), {}, tracker);
         }
-        const auto forward = light_by_word(table, *setup.words(), length);
+        const auto forward = light_by_path_string(table, *setup.words(), length);
         CHECK(forward.size() > 5);
-        for (int row = 0; row < length; ++row) CHECK(light_by_word(table, *setup.words(), row) == forward);
+        for (int row = 0; row < length; ++row) CHECK(light_by_path_string(table, *setup.words(), row) == forward);
     }
 }
 
 TEST_CASE("channels get the same bits whether words are kept or not", "[path_words][law2]") {
     const std::vector<ChannelDefinition> channels = shipped_channels();
-    const LpeSetup with = setup_with_words(channels, {}), without = build_setup(channels, 0);
+    const LpeSetup with = setup_with_path_strings(channels, {}), without = build_setup(channels, 0);
     SampleTable table_with(channels, 64, 0), table_without(channels, 64, 0);
     LpeServices keeps(with, table_with, 1), keeps_not(without, table_without, 1);
     const Classes of_with(with), of_without(without);
@@ -191,7 +191,7 @@ TEST_CASE("channels get the same bits whether words are kept or not", "[path_wor
     // The words of a row sum to its beauty: at most 3^5 words, each rounded at 2^-53 of at most 1.
     for (int row = 0; row < 64; ++row) {
         double sum = 0;
-        for (const auto& [word, light] : light_by_word(table_with, *with.words(), row)) sum += light.g;
+        for (const auto& [word, light] : light_by_path_string(table_with, *with.words(), row)) sum += light.g;
         CHECK(std::abs(sum - table_with.values(0)[3 * row + 1]) <= 243 * 0x1p-53);
     }
 }
@@ -200,10 +200,10 @@ TEST_CASE("words beyond the maximum length end in a tail, and cutouts have no le
           "[path_words]") {
     const std::vector<ChannelDefinition> channels{plain_channel("beauty", ChannelType::rgb)};
     for (const bool straight : {false, true}) {
-        WordRules rules;
+        PathStringRules rules;
         rules.length = 2;
         rules.straight = straight;
-        const LpeSetup setup = setup_with_words(channels, rules);
+        const LpeSetup setup = setup_with_path_strings(channels, rules);
         const Classes classes(setup);
         const lpe::EventClass leaf = setup.classify(events_of("T,s,leaf").front());
         SampleTable table(channels, 2);
@@ -214,7 +214,7 @@ TEST_CASE("words beyond the maximum length end in a tail, and cutouts have no le
         for (int bounce = 0; bounce < 4; ++bounce) services.move(tracker, classes.diffuse);
         services.move(tracker, classes.background);
         services.contribute(Rgb(1), {}, tracker);
-        const auto light = light_by_word(table, *setup.words(), 0);
+        const auto light = light_by_path_string(table, *setup.words(), 0);
         REQUIRE(light.size() == 1);
         CHECK(light.begin()->first == (straight ? "T,s,leaf R,D * B,-" : "R,D R,D * B,-"));
         CHECK(table.words()->dropped_straight() == !straight);
@@ -223,10 +223,10 @@ TEST_CASE("words beyond the maximum length end in a tail, and cutouts have no le
 
 TEST_CASE("events that are not distinguished share a letter", "[path_words]") {
     const auto letters = [](const std::string& by) {
-        auto rules = parse_word_rules(by, {"--atlas-by", 0, 0});
+        auto rules = parse_path_string_rules(by, {"--atlas-by", 0, 0});
         REQUIRE(rules);
         auto alphabet =
-            WordAlphabet::build(events_of("R,D,floor,diffuse R,D,wall,diffuse R,D2,wall,coat L,-,key L,-"), *rules);
+            PathAlphabet::build(events_of("R,D,floor,diffuse R,D,wall,diffuse R,D2,wall,coat L,-,key L,-"), *rules);
         REQUIRE(alphabet);
         return alphabet->letter_count();
     };
@@ -235,7 +235,7 @@ TEST_CASE("events that are not distinguished share a letter", "[path_words]") {
     CHECK(letters("lobe,group") == 4);
     CHECK(letters("label,lobe") == 4);
     CHECK(letters("") == 2);
-    const auto refused = parse_word_rules("label,lobes", {"--atlas-by", 0, 0});
+    const auto refused = parse_path_string_rules("label,lobes", {"--atlas-by", 0, 0});
     REQUIRE_FALSE(refused);
     CHECK(refused.error().hint == "did you mean 'lobe'?");
 }

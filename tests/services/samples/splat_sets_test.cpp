@@ -163,7 +163,7 @@ TEST_CASE("many more sets than one chunk of a table lose no light", "[sets]") {
         }
         CHECK(table.sets_in_use().size() == paths);
         CHECK(paths >= 4 * SampleTable::set_chunk);
-        CHECK_FALSE(table.sent_apart());
+        CHECK_FALSE(table.sent_separately());
         frame_buffer.accumulate(table);
     }
     // Powers of two and their sums are exact.
@@ -210,7 +210,7 @@ TEST_CASE("values sent to a sharing channel itself add to its shared sums, and a
             continue;
         }
         if (sample == 2) CHECK(services.splat(2, 0, Rgb(8)));
-        CHECK(table.sent_apart() == (sample == 2));
+        CHECK(table.sent_separately() == (sample == 2));
         frame_buffer.accumulate(table);
     }
     CHECK(frame_buffer.resolve(0) == std::vector<double>(3, 1));

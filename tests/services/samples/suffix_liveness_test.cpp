@@ -33,7 +33,7 @@ struct Language {
     [[nodiscard]] bool takes(const std::vector<EventClass>& of_camera, const PathSuffix& word) {
         Tracker tracker = services.begin(0);
         for (const EventClass event : of_camera) services.move(tracker, event);
-        services.join(tracker, words, word);
+        services.connect(tracker, words, word);
         return services.channels_follow(tracker);
     }
     std::vector<ChannelDefinition> channels;
@@ -62,31 +62,31 @@ std::vector<std::vector<EventClass>> sequences(const std::vector<EventClass>& ev
 
 /// All words of at most 3 scatterings behind the join and 4 before it: the expressions' automata have so few states
 /// that what these do not lead to, none do.
-void check_against_all_words(Language& language) {
+void check_against_all_path_strings(Language& language) {
     const Classes& c = language.classes;
     const std::vector<EventClass> events{c.diffuse, c.singular};
     const SuffixLiveness liveness = language.liveness({events, {}, {c.light, c.background}, {}, 0, {c.diffuse}});
     const auto check = [&](const PathSuffix& word) {
         const SuffixLiveness::LiveSet live = liveness.of(language.words, word);
         REQUIRE(live.seen == language.takes({}, word));
-        bool joins = false, goes_on = false;
+        bool connects = false, goes_on = false;
         for (int more = 1; more <= 4; ++more)
             for (const std::vector<EventClass>& of_camera : sequences(events, more)) {
                 if (!language.takes(of_camera, word)) continue;
-                joins = joins || of_camera.back() == c.diffuse;
+                connects = connects || of_camera.back() == c.diffuse;
                 // A vertex that the camera sees, or two neighbours that can be joined.
                 bool meets = of_camera.front() == c.diffuse;
                 for (std::size_t i = 1; i < of_camera.size(); ++i)
                     meets = meets || (of_camera[i - 1] == c.diffuse && of_camera[i] == c.diffuse);
                 goes_on = goes_on || meets;
             }
-        REQUIRE(live.joins == joins);
+        REQUIRE(live.connects == connects);
         REQUIRE(live.goes_on == goes_on);
         for (const std::vector<EventClass>& of_camera : sequences(events, 2)) {
             Tracker tracker = language.services.begin(0);
             language.services.move(tracker, of_camera[0]);
             for (const EventClass there : events)
-                REQUIRE(liveness.joins(tracker, std::array{of_camera[1]}, language.words, word, std::array{there}) ==
+                REQUIRE(liveness.connects(tracker, std::array{of_camera[1]}, language.words, word, std::array{there}) ==
                         language.takes({of_camera[0], of_camera[1], there}, word));
         }
     };
@@ -107,17 +107,17 @@ TEST_CASE("the suffix of a light subpath determines what is live", "[liveness][l
     const Classes& c = language.classes;
     const SuffixLiveness liveness = language.liveness({{c.diffuse, c.singular}, {}, {c.light}, {}, 0, {c.diffuse}});
     CHECK(liveness.of(c.light).goes_on);
-    CHECK(liveness.of(c.light).joins);  // light samples are joins with the light itself
+    CHECK(liveness.of(c.light).connects);  // light samples are joins with the light itself
     CHECK_FALSE(liveness.of(c.light).seen);
     CHECK_FALSE(liveness.of(c.emission).anything());
     const PathSuffix light = language.services.begin(language.words, c.light);
     SuffixLiveness::LiveSet live = liveness.after(language.words, light, std::array{c.diffuse}, 1);
     CHECK(live.seen);  // direct light, which nothing may come before
-    CHECK_FALSE(live.joins);
+    CHECK_FALSE(live.connects);
     CHECK_FALSE(live.goes_on);
     live = liveness.after(language.words, light, std::array{c.singular}, 0);
     CHECK_FALSE(live.seen);
-    CHECK_FALSE(live.joins);  // it has no density
+    CHECK_FALSE(live.connects);  // it has no density
     CHECK(live.goes_on);
     CHECK_FALSE(liveness.after(language.words, light, std::array{c.diffuse_through}, 1).anything());
     const PathSuffix mirrored = language.services.prepend(language.words, light, c.singular);
@@ -134,7 +134,7 @@ TEST_CASE("liveness of path suffixes agrees with all path strings", "[liveness][
                                    "C<RD>(<RS><RD>)*L", "C<RS>.*B"}) {
         CAPTURE(expression);
         Language language({expression_channel("asked", expression)});
-        check_against_all_words(language);
+        check_against_all_path_strings(language);
     }
     const auto three = [](std::size_t state_cap) {
         lpe::CompileOptions options;
@@ -146,7 +146,7 @@ TEST_CASE("liveness of path suffixes agrees with all path strings", "[liveness][
     Language in_groups = three(10);
     REQUIRE(in_groups.setup.program().word_count() > 1);
     REQUIRE_FALSE(in_groups.setup.program().view().has_parallel());
-    check_against_all_words(in_groups);
+    check_against_all_path_strings(in_groups);
     // For bit-parallel channels nothing is known.
     Language in_bits = three(6);
     REQUIRE(in_bits.setup.program().view().has_parallel());
@@ -182,12 +182,12 @@ TEST_CASE("cutouts before the camera and between joined vertices keep channels l
     };
     const SuffixLiveness::LiveSet passing = live({{c.diffuse}, {straight}, {c.light}, {}, 0, {c.diffuse}});
     CHECK(passing.seen);
-    CHECK_FALSE(passing.joins);
+    CHECK_FALSE(passing.connects);
     CHECK_FALSE(passing.goes_on);
     CHECK_FALSE(live({{c.diffuse}, {}, {c.light}, {}, 0, {c.diffuse}}).anything());
     const Tracker tracker = language.services.begin(0);
     CHECK(language.liveness({{c.diffuse}, {straight}, {c.light}, {}, 0, {c.diffuse}})
-              .joins(tracker, std::array{c.diffuse}, language.words, light, std::array{c.diffuse}));
+              .connects(tracker, std::array{c.diffuse}, language.words, light, std::array{c.diffuse}));
 }
 
 }  // namespace raylex::display

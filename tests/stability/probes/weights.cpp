@@ -30,7 +30,9 @@ struct PathDensities {
     double light_sample = 1;  ///< density of vertex 0 by light sampling
 
     [[nodiscard]] std::size_t size() const { return specular.size(); }
-    [[nodiscard]] bool joins(std::size_t s) const { return s == 0 || (s < size() && !specular[s - 1] && !specular[s]); }
+    [[nodiscard]] bool connects(std::size_t s) const {
+        return s == 0 || (s < size() && !specular[s - 1] && !specular[s]);
+    }
 };
 
 /// Returns densities spread from e^-spread to e^spread.
@@ -105,7 +107,7 @@ Result<ProbeResult> strategy_weights_sum(const ProbeInput& input) {
         const PathDensities path = random_path(numbers, segments + 1, spread, specular);
         double sum = 0;
         for (std::size_t s = 0; s < path.size(); ++s)
-            if (path.joins(s)) sum += weight(path, s);
+            if (path.connects(s)) sum += weight(path, s);
         if (!(std::abs(sum - 1) <= std::abs(result.measured - 1))) result.measured = sum;
     }
     return result;

@@ -63,8 +63,8 @@ class Search {
         ++report_.scenes;
         if (!made->death.empty()) {
             Finding finding{seed,
-                            death_verdict,
-                            {death_verdict, InvariantState::violated, 1, 0, "making the scene: " + made->death},
+                            death_result,
+                            {death_result, InvariantState::violated, 1, 0, "making the scene: " + made->death},
                             {},
                             {}};
             report_.findings.push_back(std::move(finding));
@@ -86,41 +86,42 @@ class Search {
         if (!report) return report.error();
         if (stopped()) return success();
         if (!report->refused.empty()) ++report_.refused;
-        for (const Verdict& verdict : report->verdicts) {
-            ++(verdict.outcome == InvariantState::skipped ? report_.skipped : report_.checked)[verdict.invariant];
-            if (verdict.outcome != InvariantState::violated) continue;
-            if (Status status = found(seed, text, verdict); !status) return status;
+        for (const InvariantResult& result : report->results) {
+            ++(result.outcome == InvariantState::skipped ? report_.skipped : report_.checked)[result.invariant];
+            if (result.outcome != InvariantState::violated) continue;
+            if (Status status = found(seed, text, result); !status) return status;
         }
         return success();
     }
 
     /// Whether the scene fails by that invariant, whatever else is wrong with it.
-    bool fails(const std::string& text, const Verdict& as, std::uint64_t seed) {
+    bool fails(const std::string& text, const InvariantResult& as, std::uint64_t seed) {
         InvariantOptions check = options_.check;
         check.seed = seed;
-        if (as.invariant != death_verdict && as.invariant != "error") check.only = {as.invariant};
+        if (as.invariant != death_result && as.invariant != "error") check.only = {as.invariant};
         const auto report = checker_.check(text, check, stop_);
-        return report && std::any_of(report->verdicts.begin(), report->verdicts.end(), [&](const Verdict& verdict) {
-                   return verdict.outcome == InvariantState::violated && verdict.invariant == as.invariant;
+        return report &&
+               std::any_of(report->results.begin(), report->results.end(), [&](const InvariantResult& result) {
+                   return result.outcome == InvariantState::violated && result.invariant == as.invariant;
                });
     }
 
-    Status found(std::uint64_t seed, const std::string& text, const Verdict& verdict) {
-        Finding finding{seed, verdict.invariant, verdict, text, {}};
+    Status found(std::uint64_t seed, const std::string& text, const InvariantResult& result) {
+        Finding finding{seed, result.invariant, result, text, {}};
         const auto lines = [](const std::string& t) { return std::size_t(std::count(t.begin(), t.end(), '\n')); };
         finding.lines_before = lines(text);
-        if (fails(text, verdict, seed)) {
+        if (fails(text, result, seed)) {
             const Shrunk shrunk = shrink_scene(
-                text, [&](const std::string& t) { return fails(t, verdict, seed); }, options_.shrink);
+                text, [&](const std::string& t) { return fails(t, result, seed); }, options_.shrink);
             finding.text = shrunk.text;
             finding.trials = shrunk.trials;
         } else {
-            finding.verdict.note += " (the second time it held)";
+            finding.result.note += " (the second time it held)";
         }
         finding.lines = lines(finding.text);
-        const std::string name = verdict.invariant + "-" + std::to_string(seed) + ".pbrt";
+        const std::string name = result.invariant + "-" + std::to_string(seed) + ".pbrt";
         finding.file = (fs::path(options_.folder) / name).string();
-        const std::string content = "# " + verdict.invariant + ": " + one_line(finding.verdict.note) + "\n# " +
+        const std::string content = "# " + result.invariant + ": " + one_line(finding.result.note) + "\n# " +
                                     command_of(finding) + "\n" + finding.text;
         auto file = display::AtomicFile::create(finding.file);
         if (!file) return file.error();
@@ -150,7 +151,7 @@ class Search {
 
 std::string command_of(const Finding& finding) {
     std::string command = "raylex scene check --invariants --seed " + std::to_string(finding.scene);
-    if (finding.invariant != death_verdict && finding.invariant != "error") command += " --only " + finding.invariant;
+    if (finding.invariant != death_result && finding.invariant != "error") command += " --only " + finding.invariant;
     return command + " " + fs::path(finding.file).filename().string();
 }
 

@@ -30,10 +30,10 @@ struct SearchOptions {
 /// A failing scene.
 struct Finding {
     std::uint64_t scene = 0;
-    std::string invariant;  ///< name of the invariant, or "death" if the process ended
-    Verdict verdict;        ///< for the scene before shrinking
-    std::string text;       ///< after shrinking
-    std::string file;       ///< path of the saved scene
+    std::string invariant;   ///< name of the invariant, or "death" if the process ended
+    InvariantResult result;  ///< for the scene before shrinking
+    std::string text;        ///< after shrinking
+    std::string file;        ///< path of the saved scene
     std::size_t lines_before = 0, lines = 0, trials = 0;
 };
 

@@ -336,7 +336,7 @@ TEST_CASE("in an emitting enclosure every word has its closed form with every in
     CAPTURE(integrator);
     settings.paths.integrator = integrator_named(integrator);
     std::vector<ClosedForm> expected;
-    for (const EnclosureWord& word : enclosure_words(0.5, 0.3, 5)) {
+    for (const EnclosurePathString& word : enclosure_path_strings(0.5, 0.3, 5)) {
         const bool found = integrator != "lighttracer" || light_tracer_finds(word);
         expected.push_back({"C" + word.reflections + "L", found ? word.value : 0});
         settings.channels.list.push_back(osl("w" + std::to_string(expected.size()), expected.back().expression));

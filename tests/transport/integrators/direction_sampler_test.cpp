@@ -157,11 +157,11 @@ TEST_CASE("in an enclosure another sampler than the closure finds the light of e
     const double kd = 0.5, ks = 0.3;
     const auto scene = transport::BuiltScene::build(scene_of(enclosure(kd, ks)));
     REQUIRE(scene.ok());
-    const std::vector<EnclosureWord> words = enclosure_words(kd, ks, 3);
+    const std::vector<EnclosurePathString> words = enclosure_path_strings(kd, ks, 3);
     for (const char* method : {"guided-path", "guided-bdpt", "guided-lighttracer"}) {
         transport::RenderSettings settings = by(method, 64);
         settings.paths.max_depth = 3;
-        for (const EnclosureWord& word : words)
+        for (const EnclosurePathString& word : words)
             settings.channels.list.push_back(lpe_channel("w" + word.reflections, "C" + word.reflections + "L"));
         const Replicates found = replicates(**scene, settings, static_cast<int>(words.size()) + 1, 8, 1);
         for (std::size_t i = 0; i < words.size(); ++i) {

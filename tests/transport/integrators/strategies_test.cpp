@@ -20,7 +20,7 @@ struct PathDensities {
     bool can_be_hit = true;
 
     [[nodiscard]] std::size_t size() const { return specular.size(); }
-    [[nodiscard]] bool joins(std::size_t s) const {
+    [[nodiscard]] bool connects(std::size_t s) const {
         if (s == 0) return can_be_hit;
         return s < size() && !specular[s - 1] && !specular[s];
     }
@@ -99,13 +99,13 @@ TEST_CASE("the weights of all strategies of a path sum to 1, at lengths of 2 to 
                     const PathDensities path = random_path(random, n, spread, with_specular);
                     double largest = -1e300;
                     for (std::size_t s = 0; s < n; ++s)
-                        if (path.joins(s)) largest = std::max(largest, path.density(s));
+                        if (path.connects(s)) largest = std::max(largest, path.density(s));
                     if (largest == -1e300) continue;
                     double all = 0, sum = 0;
                     for (std::size_t s = 0; s < n; ++s)
-                        if (path.joins(s)) all += std::exp(2 * (path.density(s) - largest));
+                        if (path.connects(s)) all += std::exp(2 * (path.density(s) - largest));
                     for (std::size_t s = 0; s < n; ++s) {
-                        if (!path.joins(s)) continue;
+                        if (!path.connects(s)) continue;
                         const double expected = std::exp(2 * (path.density(s) - largest)) / all, w = weight(path, s);
                         CAPTURE(with_specular, spread, n, s);
                         // Products of up to n ratios, each rounded a few times.

@@ -141,7 +141,7 @@ void Bdpt::keep_light_vertices(BdptThread& thread) const {
         const auto index = static_cast<std::uint32_t>(thread.light_vertices.size());
         std::uint32_t& last = thread.last_vertex[v.rows[j]];
         thread.light_vertices.push_back({thread.light.vertex(j), v.points[j], v.bsdfs[j], last});
-        if (thread.light_vertices.back().live.joins) last = index;
+        if (thread.light_vertices.back().live.connects) last = index;
     }
 }
 

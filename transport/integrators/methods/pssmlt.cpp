@@ -62,7 +62,7 @@ class Pssmlt final : public Integrator {
         IntegratorTraits traits;
         traits.max_depth = parameters_.depth.max_depth;
         traits.media = traits.first_hits = traits.cutouts = traits.user_events = traits.raster_splats = true;
-        traits.tells_words = false;  // chains keep what channels get of a path, and splat that again and again
+        traits.reports_path_strings = false;  // chains keep what channels get of a path, and splat that again and again
         return traits;
     }
     Status prepare(const IntegratorContext& context) override;

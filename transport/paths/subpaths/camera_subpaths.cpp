@@ -86,8 +86,8 @@ void CameraSubpaths::report_surfaces() {
         if (path(row).depth < options_.first_depth) continue;
         const SurfacePoint& point = v.points[j];
         const std::int32_t label = v.sources[j].label;
-        record_.say(row, label, UserLobe::albedo, throughput(row), [&] { return v.bsdfs[j].albedo(point.wo); });
-        record_.say(row, label, UserLobe::normal, throughput(row), [&] {
+        record_.report_user(row, label, UserLobe::albedo, throughput(row), [&] { return v.bsdfs[j].albedo(point.wo); });
+        record_.report_user(row, label, UserLobe::normal, throughput(row), [&] {
             const Vec3 n = face_forward(point.shading_normal, point.wo);
             Rgb value;
             for (int i = 0; i < 3; ++i) {

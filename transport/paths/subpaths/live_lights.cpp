@@ -55,7 +55,8 @@ LiveLights LiveLights::alike_everywhere(const SceneView& scene, const EventTable
     const std::span<const Light> lights = scene.lights->lights();
     LiveLights live;
     LightChooser& chooser = live.choosers_[all];
-    chooser = choose_live_lights(scene, events, language, LightChoice::mis, &display::SuffixLiveness::LiveSet::joins);
+    chooser =
+        choose_live_lights(scene, events, language, LightChoice::mis, &display::SuffixLiveness::LiveSet::connects);
     std::uint64_t sampled = 0;
     for (std::uint32_t light = 0; light < lights.size(); ++light)
         if (chooser.probability(Vec3(), light) > 0) sampled |= events.liveness().bit_of(events.terminal(light));

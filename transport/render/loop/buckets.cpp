@@ -60,7 +60,8 @@ std::string text_of(std::uint64_t bytes) {
 
 Status check_buckets(const ResolvedJob& job) {
     const std::string what = "a render in buckets", without = "--memory and --bucket-rows";
-    if (Status s = check_pixels_apart(job.settings.stop, job.sampling.splat, job.chosen, what, without); !s) return s;
+    if (Status s = check_pixels_independent(job.settings.stop, job.sampling.splat, job.chosen, what, without); !s)
+        return s;
     if (job.settings.stop.limit)
         return error_at({},
                         what +

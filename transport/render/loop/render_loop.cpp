@@ -12,7 +12,7 @@ Result<std::unique_ptr<RenderLoop>> RenderLoop::begin(const PreparedJob& prepare
     auto saver = RenderSaver::make(loop->state_);
     if (!saver) return saver.error();
     loop->saver_ = *std::move(saver);
-    if (Status s = loop->saver_->set_out(loop->state_, earlier); !s) return s.error();
+    if (Status s = loop->saver_->start(loop->state_, earlier); !s) return s.error();
     loop->resumed_samples_ = loop->state_.position.statistics.camera_samples;
     loop->untraced_before_ = prepared.job.scene.view().geometry->untraced_rays();
     return loop;

@@ -15,7 +15,7 @@ Result<RenderSaver> RenderSaver::make(const RenderState& state) {
     return saver;
 }
 
-Status RenderSaver::set_out(RenderState& state, const RenderStatistics& earlier) const {
+Status RenderSaver::start(RenderState& state, const RenderStatistics& earlier) const {
     RenderPosition position = state.schedule.beginning();
     position.statistics = earlier;
     if (enabled() && settings_->resume) {
@@ -23,7 +23,7 @@ Status RenderSaver::set_out(RenderState& state, const RenderStatistics& earlier)
         if (!restored) return restored.error();
         position = *std::move(restored);
     }
-    state.stand_at(std::move(position));
+    state.seek(std::move(position));
     return success();
 }
 

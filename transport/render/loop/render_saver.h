@@ -16,7 +16,7 @@ class RenderSaver {
 
     /// Sets the state to the checkpoint file if the settings request it. Otherwise sets it to the schedule's beginning,
     /// with the statistics of `earlier`.
-    Status set_out(RenderState& state, const RenderStatistics& earlier) const;
+    Status start(RenderState& state, const RenderStatistics& earlier) const;
     [[nodiscard]] bool enabled() const { return settings_ != nullptr; }
     [[nodiscard]] bool due(const RenderState& state) const;
     /// The longest time in seconds that threads may run without a check whether a save is due.

@@ -24,7 +24,7 @@ struct StateSums {
     double squares = 0, departures_behind = 0;
     std::uint32_t departures = 0, finds = 0;
     [[nodiscard]] double square() const { return squares / departures; }
-    [[nodiscard]] double root_of_worth() const { return std::sqrt(square() * departures / departures_behind); }
+    [[nodiscard]] double root_of_gain() const { return std::sqrt(square() * departures / departures_behind); }
 };
 
 struct Product {
@@ -151,7 +151,7 @@ void RoulettePilot::find_states() {
 double RoulettePilot::chance(const Departure& departure, double throughput, std::size_t depth, double strength) const {
     const StateSums& state = states_[departure.state];
     if (strength > 0 && state.finds >= enough_finds)
-        return std::clamp(strength * state.root_of_worth() * throughput / (departure.split ? rays_ : 1),
+        return std::clamp(strength * state.root_of_gain() * throughput / (departure.split ? rays_ : 1),
                           static_cast<double>(RouletteTable::least_chance), 1.0);
     return depth < 2 ? 1 : std::min(1.0, throughput / below_);
 }
@@ -215,7 +215,7 @@ RouletteTable RoulettePilot::run() {
     if (!(strength > 0)) return table;
     for (const auto& [state, number] : numbers_)
         if (states_[number].finds >= enough_finds)
-            table.add(state, static_cast<Real>(strength * states_[number].root_of_worth()));
+            table.add(state, static_cast<Real>(strength * states_[number].root_of_gain()));
     return table;
 }
 

@@ -120,8 +120,8 @@ Result<Budget> resolve_budget(const SampleSettings& samples, const StopSettings&
 }
 
 /// Refuses features that read other pixels than their own.
-Status check_pixels_apart(const StopSettings& stop, bool splat, const ChosenIntegrator& chosen, const std::string& what,
-                          const std::string& without) {
+Status check_pixels_independent(const StopSettings& stop, bool splat, const ChosenIntegrator& chosen,
+                                const std::string& what, const std::string& without) {
     const std::string hint = "leave out " + without + ", or choose another integrator, such as path";
     if (splat)
         return error_at({},
@@ -152,7 +152,7 @@ Result<TileGrid> resolve_grid(const StopSettings& stop, const CameraSampling& sa
             {}, "the crop " + std::to_string(crop.x0) + "," + std::to_string(crop.y0) + "," + std::to_string(crop.x1) +
                     "," + std::to_string(crop.y1) + " is not inside the image of " + std::to_string(width) + " x " +
                     std::to_string(height) + " pixels; expected X0,Y0,X1,Y1 with X0 < X1 and Y0 < Y1 inside it");
-    if (Status s = check_pixels_apart(stop, sampling.splat, chosen, "a crop of a render", "the crop"); !s)
+    if (Status s = check_pixels_independent(stop, sampling.splat, chosen, "a crop of a render", "the crop"); !s)
         return s.error();
     grid.region = crop;
     return grid;

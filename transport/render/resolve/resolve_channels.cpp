@@ -104,7 +104,7 @@ Result<JobChannels> resolve_channels(const ChannelSettings& settings, const Labe
                                      std::span<const display::ChannelDefinition> patterns,
                                      const ChosenIntegrator& chosen, bool splat) {
     JobChannels channels;
-    channels.keeps_words = labels.words.has_value();
+    channels.keeps_path_strings = labels.words.has_value();
     if (labels.picked_lobes) channels.attribution = display::LpeServices::Attribution::picked;
     if (Status s = list_channels(settings, patterns, splat, ResolvedJob::splats_anywhere(chosen), channels); !s)
         return s.error();

@@ -21,7 +21,7 @@ Status check_traits(const ChosenIntegrator& chosen, const SceneView& scene, cons
     if (channels.lpe->needs_emitter_samples() >= 0 && !traits.emitter_samples)
         return refuse(channels.lpe->needs_emitter_samples(),
                       "does not report emitters apart from the path's throughput", "leave out 'nothruput;'");
-    if (channels.keeps_words && !traits.tells_words)
+    if (channels.keeps_path_strings && !traits.reports_path_strings)
         return error_at({},
                         "integrator '" + chosen.name +
                             "' supports no path atlas: it sums its splats per "

@@ -25,8 +25,8 @@ Result<Budget> resolve_budget(const SampleSettings& samples, const StopSettings&
 
 /// Refuses features that read other pixels than their own: `what` ("a crop of a render") names the purpose, and
 /// `without` the option to leave out.
-Status check_pixels_apart(const StopSettings& stop, bool splat, const ChosenIntegrator& chosen, const std::string& what,
-                          const std::string& without);
+Status check_pixels_independent(const StopSettings& stop, bool splat, const ChosenIntegrator& chosen,
+                                const std::string& what, const std::string& without);
 
 /// Selects the pixels that get samples. With a crop, features that read other pixels are refused by name, since the
 /// bits would differ from those of the whole image.

@@ -108,7 +108,7 @@ Result<CameraSampling> resolve_sampling(const BuiltScene& scene, const RenderSet
 
 /// Whether any channel needs light; AOVs do not.
 bool asks_for_light(const JobChannels& channels) {
-    return channels.beauty >= 0 || channels.keeps_words ||
+    return channels.beauty >= 0 || channels.keeps_path_strings ||
            std::any_of(channels.list.begin(), channels.list.end(), [](const display::ChannelDefinition& channel) {
                return channel.style == display::ChannelStyle::expression;
            });

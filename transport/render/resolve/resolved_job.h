@@ -43,7 +43,7 @@ struct JobChannels {
     display::ChannelId beauty = display::invalid_channel;
     display::SampleFilterChain filters;
     std::unique_ptr<display::LpeSetup> lpe;
-    bool keeps_words = false;  ///< LabelSettings::words is set
+    bool keeps_path_strings = false;  ///< LabelSettings::words is set
     bool written_by_plugins =
         false;  ///< some plain channel is not a geometric AOV: patterns, materials or integrators write it
     display::LpeServices::Attribution attribution = display::LpeServices::Attribution::exact;

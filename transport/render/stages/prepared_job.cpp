@@ -20,7 +20,7 @@ Result<bool> counts_paths(const std::vector<display::ChannelDefinition>& channel
         lpe::ChannelSource source;
         source.expression = channel.expression;
         source.dialect = channel.dialect;
-        auto word = lpe::find_word(source);
+        auto word = lpe::find_path_string(source);
         if (!word) return word.error();
         if (*word) return true;
     }
@@ -58,10 +58,10 @@ Result<PreparedJob> PreparedJob::prepare(ResolvedJob resolved) {
     ResolvedJob& job = prepared.job;
     const bool regularizes = job.integrator().traits().regularizes;
     if (job.settings.labels.words) {
-        auto alphabet = display::WordAlphabet::build(
+        auto alphabet = display::PathAlphabet::build(
             scene_events(job.scene.view(), job.settings.labels.lobe_slots, regularizes), *job.settings.labels.words);
         if (!alphabet) return alphabet.error();
-        if (Status s = job.channels.lpe->keep_words(*std::move(alphabet)); !s) return s.error();
+        if (Status s = job.channels.lpe->keep_path_strings(*std::move(alphabet)); !s) return s.error();
     }
     const auto counts = counts_paths(job.channels.list);
     if (!counts) return counts.error();

@@ -24,7 +24,7 @@ void keep_first(const TileGrid& grid, std::vector<display::InvalidSample>& log) 
 RenderState::RenderState(const PreparedJob& of, RenderTarget& into, Schedule& by, const Stopwatch& since_call)
     : prepared(of), target(into), schedule(by), since_call_(since_call) {}
 
-void RenderState::stand_at(RenderPosition from) {
+void RenderState::seek(RenderPosition from) {
     position = std::move(from);
     samples_done.store(position.statistics.camera_samples);
     if (target.splat_sets) target.frame_buffer.expect(*target.splat_sets);
@@ -46,7 +46,7 @@ display::RecordFile RenderState::snapshot() const {
 Status RenderState::go_back_to(const display::RecordFile& record) {
     auto restored = restore_record(record, {}, *this);
     if (!restored) return restored.error();
-    stand_at(*std::move(restored));
+    seek(*std::move(restored));
     return success();
 }
 

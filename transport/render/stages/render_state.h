@@ -16,7 +16,7 @@ namespace raylex::transport {
 
 class RenderState {
   public:
-    /// All arguments must outlive the state. The state has no position before the first call of stand_at().
+    /// All arguments must outlive the state. The state has no position before the first call of seek().
     /// `since_call` measures the time since the call of render().
     RenderState(const PreparedJob& prepared, RenderTarget& target, Schedule& schedule, const Stopwatch& since_call);
     RenderState(const RenderState&) = delete;
@@ -29,7 +29,7 @@ class RenderState {
     [[nodiscard]] double session_seconds() const { return watch_.wall(); }
 
     /// Sets position and statistics to `from`, for a target that is in that state, and makes new workers.
-    void stand_at(RenderPosition from);
+    void seek(RenderPosition from);
     /// Position and statistics for a record.
     [[nodiscard]] RenderPosition current() const;
     /// The record that go_back_to() needs; throws std::bad_alloc. Not available if the caller has sinks.

@@ -8,7 +8,7 @@
 
 #include "display/output/atomic_file.h"
 #include "experiments/inspect/scene_facts.h"
-#include "experiments/job/channels/scene_words.h"
+#include "experiments/job/channels/scene_path_strings.h"
 #include "experiments/job/job.h"
 #include "experiments/job/text/json.h"
 #include "experiments/python/bindings/bindings.h"
@@ -47,8 +47,8 @@ py::object facts_of(const Scene& scene, bool build) {
     return py::module_::import("json").attr("loads")(text);
 }
 
-lpe::Words words_of(const Scene& scene) {
-    return unlocked([&] { return take(experiments::scene_words(experiments::Job(), labelled(scene))).words; });
+lpe::PathStrings path_strings_of(const Scene& scene) {
+    return unlocked([&] { return take(experiments::scene_path_strings(experiments::Job(), labelled(scene))).words; });
 }
 
 Scene with_rule(const Scene& scene, const std::string& selector, const std::string& pattern, const std::string& label) {
@@ -88,7 +88,7 @@ void add_scene(py::module_& module) {
              "light_groups, film (type, width and height in pixels), and with build=True bounds (world units), memory "
              "and\n"
              "times (seconds).")
-        .def("words", &words_of, "The light paths that the scene can produce: lpe.Words.")
+        .def("words", &path_strings_of, "The light paths that the scene can produce: lpe.Words.")
         .def("label", &with_rule, "selector"_a, "pattern"_a, "label"_a,
              "Returns the scene with this LPE label on objects selected by 'material', 'mesh' or 'instance', or with "
              "this light group on\nlights selected by 'light' (\"area:0\", \"spot\") or 'area_light_material'; names "

@@ -112,56 +112,56 @@ std::string best_sentence(const Study& study, const MethodComparison& comparison
            " times less squared error in the same time than " + second + range;
 }
 
-BiasJudgement BiasEntry::judgement() const {
-    if (!verdict.tested) return BiasJudgement::not_tested;
-    if (!omitted.empty()) return BiasJudgement::not_judged;
-    if (verdict.differs && heavy_tail) return BiasJudgement::rare;
-    if (verdict.differs && doubt.empty()) return BiasJudgement::differs;
-    const bool told = reason().empty() && verdict.detectable_whole <= largest_hidden_bias;
-    return told ? BiasJudgement::none_found : BiasJudgement::cannot_tell;
+BiasConclusion BiasEntry::conclusion() const {
+    if (!result.tested) return BiasConclusion::not_tested;
+    if (!omitted.empty()) return BiasConclusion::omits_paths;
+    if (result.differs && heavy_tail) return BiasConclusion::rare;
+    if (result.differs && caveat.empty()) return BiasConclusion::differs;
+    const bool told = reason().empty() && result.detectable_whole <= largest_hidden_bias;
+    return told ? BiasConclusion::none_found : BiasConclusion::cannot_tell;
 }
 
 std::string finding_of(const Study& study, const BiasEntry& entry) {
-    const BiasVerdict& v = entry.verdict;
+    const BiasTest& v = entry.result;
     const std::string mean = signed_percent(v.mean_difference) + " of the mean";
     if (v.worst_is_whole || v.mean_difference.low > 0 || v.mean_difference.high < 0) return mean;
     return signed_percent(v.worst_difference) + " in the " + block_text(study, entry) + ", " + mean;
 }
 
 std::string block_text(const Study& study, const BiasEntry& entry) {
-    if (entry.verdict.worst_is_whole) return "whole image";
+    if (entry.result.worst_is_whole) return "whole image";
     std::size_t across = 1;
     for (const SceneInfo& scene : study.experiment->scenes)
         if (scene.name == entry.scene) across = block_count(static_cast<std::size_t>(scene.width), 1);
     const auto pixel = [](std::size_t block) { return std::to_string(block * bias_block); };
-    return "block at (" + pixel(entry.verdict.worst % across) + ", " + pixel(entry.verdict.worst / across) + ")";
+    return "block at (" + pixel(entry.result.worst % across) + ", " + pixel(entry.result.worst / across) + ")";
 }
 
-std::string verdict_of(const Study& study, const BiasEntry& entry) {
-    const double detectable = entry.verdict.detectable_whole;
-    switch (entry.judgement()) {
-        case BiasJudgement::not_tested:
-            return "not tested: " + entry.verdict.note;
-        case BiasJudgement::not_judged:
+std::string result_of(const Study& study, const BiasEntry& entry) {
+    const double detectable = entry.result.detectable_whole;
+    switch (entry.conclusion()) {
+        case BiasConclusion::not_tested:
+            return "not tested: " + entry.result.note;
+        case BiasConclusion::omits_paths:
             return "not judged: the method declares that it does not find " + entry.omitted;
-        case BiasJudgement::rare:
+        case BiasConclusion::rare:
             return "differs, but a few rare samples dominate: " + finding_of(study, entry);
-        case BiasJudgement::differs:
+        case BiasConclusion::differs:
             return (study.unbiased(entry.variant) ? "differs: " : "differs, as declared: ") + finding_of(study, entry);
-        case BiasJudgement::none_found:
+        case BiasConclusion::none_found:
             return "no bias found";
-        case BiasJudgement::cannot_tell:
+        case BiasConclusion::cannot_tell:
             break;
     }
     return "cannot tell: " +
-           (!entry.doubt.empty() ? entry.doubt + (entry.verdict.differs ? ": " + finding_of(study, entry) : "")
-            : !entry.verdict.blind.empty()
-                ? "differs in the " + block_text(study, entry) + ", but " + entry.verdict.blind
-            : !std::isfinite(detectable) ? "the mean of the image could not be tested"
+           (!entry.caveat.empty()         ? entry.caveat + (entry.result.differs ? ": " + finding_of(study, entry) : "")
+            : !entry.result.blind.empty() ? "differs in the " + block_text(study, entry) + ", but " + entry.result.blind
+            : !std::isfinite(detectable)  ? "the mean of the image could not be tested"
                                          : "a bias below " + percent_text(detectable) + " of the mean would be missed");
 }
 
-const FirstWords::Word* first_word(const Study& study, const std::string& scene, const std::string& variant) {
+const Counterexamples::Counterexample* first_counterexample(const Study& study, const std::string& scene,
+                                                            const std::string& variant) {
     const auto named = std::find_if(study.bias.begin(), study.bias.end(), [&](const BiasEntry& each) {
         return each.scene == scene && each.variant == variant && each.convicts();
     });
@@ -170,9 +170,9 @@ const FirstWords::Word* first_word(const Study& study, const std::string& scene,
     for (const SceneInfo& each : study.experiment->scenes)
         for (const ChannelInfo& channel : each.channels)
             any = any || (each.name == scene && channel.name == named->channel && channel.beauty);
-    for (const WordsEntry& entry : study.words)
+    for (const CounterexampleEntry& entry : study.words)
         if (entry.scene == scene && entry.variant == variant)
-            for (const FirstWords::Word& word : entry.first.words)
+            for (const Counterexamples::Counterexample& word : entry.first.words)
                 if (any || word.channel == named->channel) return &word;
     return nullptr;
 }

@@ -12,11 +12,11 @@ namespace {
 /// error.
 std::vector<PixelArray> errors_of(const Study& study, const PixelArray& truth, const Curve& curve, double& reference) {
     std::vector<PixelArray> errors;
-    for (const CellErrors& row : study.cells) {
-        if (row.cell->scene != curve.scene || row.variant != curve.variant || row.channel != curve.channel ||
-            !row.region.empty() || row.cell->budget != curve.points.back().budget)
+    for (const RunErrors& row : study.runs) {
+        if (row.run->scene != curve.scene || row.variant != curve.variant || row.channel != curve.channel ||
+            !row.region.empty() || row.run->budget != curve.points.back().budget)
             continue;
-        Result<PixelArray> image = read_mean(row.cell->directory, curve.channel);
+        Result<PixelArray> image = read_mean(row.run->directory, curve.channel);
         if (!image || image->values.size() != truth.values.size()) continue;
         for (std::size_t i = 0; i < truth.values.size(); ++i) image->values[i] -= truth.values[i];
         errors.push_back(*std::move(image));

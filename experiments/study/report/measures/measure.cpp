@@ -7,7 +7,7 @@
 #include <set>
 
 #include "experiments/program/console.h"
-#include "experiments/study/report/measures/judge_bias.h"
+#include "experiments/study/report/measures/bias_checks.h"
 #include "experiments/study/report/measures/study.h"
 #include "lpe/algebra/proofs/paths.h"
 
@@ -19,7 +19,7 @@ struct Group {
     const MethodVariant* variant = nullptr;
     BudgetKind kind = BudgetKind::samples;
     double budget = 0;
-    std::vector<const Cell*> cells;
+    std::vector<const StudyRun*> runs;
 };
 
 struct Reference {
@@ -33,11 +33,11 @@ struct RegionPixels {
 };
 
 /// Returns the preparation time of a cell. Loading, building and writing are separate phases outside the cell's time.
-double setup_of(const Cell& cell, bool cpu_clock) {
+double setup_of(const StudyRun& run, bool cpu_clock) {
     double rendering = 0;
-    for (const Phase& phase : cell.phases)
+    for (const Phase& phase : run.phases)
         if (phase.name == "render") rendering += cpu_clock ? phase.cpu_seconds : phase.wall_seconds;
-    return rendering > 0 ? std::max(0.0, cell.seconds(cpu_clock) - rendering) : 0;
+    return rendering > 0 ? std::max(0.0, run.seconds(cpu_clock) - rendering) : 0;
 }
 
 bool is_black(const PixelArray& array) {
@@ -91,13 +91,13 @@ class Measurer {
     [[nodiscard]] std::vector<Group> groups_of(const SceneInfo& scene) const {
         std::vector<Group> groups;
         for (const MethodVariant& variant : study_.variants)
-            for (const Cell& cell : experiment_.cells) {
-                if (cell.failed || cell.scene != scene.name || variant_name(cell) != variant.name) continue;
+            for (const StudyRun& run : experiment_.runs) {
+                if (run.failed || run.scene != scene.name || variant_name(run) != variant.name) continue;
                 const auto same = std::find_if(groups.begin(), groups.end(), [&](const Group& each) {
-                    return each.variant == &variant && each.kind == cell.budget_kind && each.budget == cell.budget;
+                    return each.variant == &variant && each.kind == run.budget_kind && each.budget == run.budget;
                 });
-                if (same != groups.end()) same->cells.push_back(&cell);
-                else groups.push_back({&variant, cell.budget_kind, cell.budget, {&cell}});
+                if (same != groups.end()) same->runs.push_back(&run);
+                else groups.push_back({&variant, run.budget_kind, run.budget, {&run}});
             }
         return groups;
     }
@@ -138,9 +138,9 @@ class Measurer {
                     }
         BiasCandidates candidates;
         for (const Group& group : groups) {
-            if (was_not_asked(group, channel)) continue;
+            if (was_not_requested(group, channel)) continue;
             const std::vector<PixelArray> images = read_group(group, channel, reference.mean);
-            offer_candidate(candidates[group.variant->name], group.budget, group.cells, images);
+            offer_candidate(candidates[group.variant->name], group.budget, group.runs, images);
             // An image without light costs nothing and has no noise, so it would win every comparison.
             if (is_dark(images)) {
                 study_.omissions.push_back({"channel " + channel.name + " of " + group.variant->name + " on " +
@@ -155,21 +155,21 @@ class Measurer {
                     study_.curves[curves[{region.name, group.variant->name}]].points.push_back(std::move(*point));
             }
         }
-        judge_bias(study_, scene, channel, std::move(candidates), reference.mean, reference.variance);
+        check_bias(study_, scene, channel, std::move(candidates), reference.mean, reference.variance);
     }
 
     /// A method without beauty renders neither the beauty nor the `rest` layer. Other renderers write whatever they
     /// have; their cells warn of missing layers once.
-    [[nodiscard]] static bool was_not_asked(const Group& group, const ChannelInfo& channel) {
+    [[nodiscard]] static bool was_not_requested(const Group& group, const ChannelInfo& channel) {
         const NamedValues& settings = group.variant->all_settings;
         const bool external =
             std::any_of(settings.begin(), settings.end(), [](const auto& each) { return each.first == "command"; });
-        return std::all_of(group.cells.begin(), group.cells.end(), [&](const Cell* cell) {
+        return std::all_of(group.runs.begin(), group.runs.end(), [&](const StudyRun* run) {
             const auto has = [&](const std::string& name) {
-                return std::any_of(cell->files.begin(), cell->files.end(),
+                return std::any_of(run->files.begin(), run->files.end(),
                                    [&](const FileRecord& file) { return file.name == name + ".mean.npy"; });
             };
-            return !cell->files.empty() && (external || !has("beauty")) && !has(channel.name);
+            return !run->files.empty() && (external || !has("beauty")) && !has(channel.name);
         });
     }
 
@@ -185,8 +185,8 @@ class Measurer {
 
     static bool is_black_everywhere(const ChannelInfo& channel, const std::vector<Group>& groups) {
         for (const Group& group : groups)
-            for (const Cell* cell : group.cells)
-                if (const auto image = read_mean(cell->directory, channel.name); image && !is_black(*image))
+            for (const StudyRun* run : group.runs)
+                if (const auto image = read_mean(run->directory, channel.name); image && !is_black(*image))
                     return false;
         return true;
     }
@@ -196,19 +196,19 @@ class Measurer {
     std::vector<PixelArray> read_group(const Group& group, const ChannelInfo& channel, const PixelArray& shape) {
         std::vector<PixelArray> images;
         std::vector<Omission> omissions;
-        for (const Cell* cell : group.cells) {
-            Result<PixelArray> image = read_mean(cell->directory, channel.name);
+        for (const StudyRun* run : group.runs) {
+            Result<PixelArray> image = read_mean(run->directory, channel.name);
             std::string reason;
             if (!image) reason = image.error().message;
             else if (image->values.size() != shape.values.size())
                 reason = "channel " + channel.name + " has " + std::to_string(image->width) + " x " +
                          std::to_string(image->height) + " pixels; the reference has " + std::to_string(shape.width) +
                          " x " + std::to_string(shape.height);
-            if (!reason.empty()) omissions.push_back({"channel " + channel.name + " of cell " + cell->id, reason});
+            if (!reason.empty()) omissions.push_back({"channel " + channel.name + " of cell " + run->id, reason});
             images.push_back(reason.empty() ? std::move(*image) : PixelArray{});
         }
         // A renderer without a channel omits it in every replicate; this is reported once.
-        if (omissions.size() == group.cells.size() && omissions.size() > 1)
+        if (omissions.size() == group.runs.size() && omissions.size() > 1)
             omissions = {{omissions.front().what + " and its other replicates", omissions.front().reason}};
         study_.omissions.insert(study_.omissions.end(), omissions.begin(), omissions.end());
         return images;
@@ -232,24 +232,24 @@ class Measurer {
         double count = 0;
         for (std::size_t i = 0; i < images.size(); ++i) {
             if (images[i].values.empty()) continue;
-            const Cell& cell = *group.cells[i];
+            const StudyRun& run = *group.runs[i];
             const std::vector<double> values = selected(images[i], region.pixels);
-            CellErrors errors{
-                &cell,        group.variant->name, channel.name, region.name, display::measure_errors(values, expected),
+            RunErrors errors{
+                &run,         group.variant->name, channel.name, region.name, display::measure_errors(values, expected),
                 point.excess, mse_excess};
             const double squared = errors.measures[display::ErrorMetric::relmse_mean];
             tail.add(display::relative_squares(values, expected));
             measured.push_back(squared);
             point.group.errors.push_back(squared - point.excess);
-            point.group.seconds.push_back(cell.seconds(experiment_.cpu_clock));
-            if (cell.samples_per_pixel > 0) point.group.samples.push_back(static_cast<double>(cell.samples_per_pixel));
-            point.group.setup_seconds += setup_of(cell, experiment_.cpu_clock);
-            point.seconds += cell.seconds(experiment_.cpu_clock);
-            point.wall_seconds += cell.wall_seconds;
-            point.cpu_seconds += cell.cpu_seconds;
-            point.samples += static_cast<double>(cell.samples_per_pixel);
+            point.group.seconds.push_back(run.seconds(experiment_.cpu_clock));
+            if (run.samples_per_pixel > 0) point.group.samples.push_back(static_cast<double>(run.samples_per_pixel));
+            point.group.setup_seconds += setup_of(run, experiment_.cpu_clock);
+            point.seconds += run.seconds(experiment_.cpu_clock);
+            point.wall_seconds += run.wall_seconds;
+            point.cpu_seconds += run.cpu_seconds;
+            point.samples += static_cast<double>(run.samples_per_pixel);
             count += 1;
-            study_.cells.push_back(std::move(errors));
+            study_.runs.push_back(std::move(errors));
         }
         if (count == 0) return std::nullopt;
         for (double* each :
@@ -287,9 +287,9 @@ std::string omitted_in(const Experiment& experiment, const std::string& scene, c
         result.origin = "channel '" + name + "'";
         return result;
     };
-    for (const Cell& cell : experiment.cells) {
-        if (cell.failed || cell.scene != scene || variant_name(cell) != variant) continue;
-        for (const OmittedPathsInfo& each : cell.omits) {
+    for (const StudyRun& run : experiment.runs) {
+        if (run.failed || run.scene != scene || variant_name(run) != variant) continue;
+        for (const OmittedPathsInfo& each : run.omits) {
             const std::vector<lpe::ChannelSource> both{source(channel.name, channel.expression, channel.dialect),
                                                        source("omitted", each.expression, each.dialect)};
             lpe::PathSetOptions options;
@@ -303,9 +303,9 @@ std::string omitted_in(const Experiment& experiment, const std::string& scene, c
     return {};
 }
 
-std::string variant_name(const Cell& cell) {
-    std::string name = cell.method;
-    for (const auto& [key, value] : cell.settings) name += " " + key + "=" + value;
+std::string variant_name(const StudyRun& run) {
+    std::string name = run.method;
+    for (const auto& [key, value] : run.settings) name += " " + key + "=" + value;
     return name;
 }
 
@@ -314,26 +314,26 @@ Result<Study> study_of(const Experiment& experiment, const StudyReportOptions& o
     study.experiment = &experiment;
     study.options = options;
     std::set<std::string> warned;
-    for (const Cell& cell : experiment.cells) {
-        for (const std::string& warning : cell.warnings) {
-            const std::string who = "warning of " + variant_name(cell) + " on " + cell.scene;
+    for (const StudyRun& run : experiment.runs) {
+        for (const std::string& warning : run.warnings) {
+            const std::string who = "warning of " + variant_name(run) + " on " + run.scene;
             if (warned.insert(who + "\n" + warning).second) study.omissions.push_back({who, warning});
         }
-        if (cell.failed) {
-            study.omissions.push_back({"cell " + cell.id, "failed: " + cell.failure});
+        if (run.failed) {
+            study.omissions.push_back({"cell " + run.id, "failed: " + run.failure});
             continue;
         }
-        const std::string name = variant_name(cell);
+        const std::string name = variant_name(run);
         if (std::any_of(study.variants.begin(), study.variants.end(),
                         [&](const MethodVariant& each) { return each.name == name; }))
             continue;
-        MethodVariant variant{name, cell.method, cell.settings, cell.settings, true};
+        MethodVariant variant{name, run.method, run.settings, run.settings, true};
         for (const MethodInfo& method : experiment.methods) {
-            if (method.name != cell.method) continue;
+            if (method.name != run.method) continue;
             variant.unbiased = method.unbiased;
             if (!method.command.empty()) variant.all_settings.emplace_back("command", method.command);
             for (const auto& [key, value] : method.settings)
-                if (std::none_of(cell.settings.begin(), cell.settings.end(),
+                if (std::none_of(run.settings.begin(), run.settings.end(),
                                  [&, &own = key](const auto& swept) { return swept.first == own; }))
                     variant.all_settings.emplace_back(key, value);
         }
@@ -350,7 +350,7 @@ Result<Study> study_of(const Experiment& experiment, const StudyReportOptions& o
     });
     for (const std::string& id : experiment.missing) {
         const auto parts = std::count_if(experiment.parts.begin(), experiment.parts.end(),
-                                         [&](const Cell& each) { return each.part_of == id; });
+                                         [&](const StudyRun& each) { return each.part_of == id; });
         study.omissions.push_back(
             {"cell " + id, parts > 0 ? "in parts, of which " + std::to_string(parts) +
                                            " are here; 'raylex experiment merge' makes a cell of them all"
@@ -359,7 +359,7 @@ Result<Study> study_of(const Experiment& experiment, const StudyReportOptions& o
     Status measured = Measurer(experiment, study).measure();
     if (!measured) return std::move(measured).error();
     measure_as_seen(study);
-    judge_curves(study);
+    check_curves(study);
     compare_variants(study);
     measure_spectra(study);
     return study;

@@ -20,7 +20,7 @@ display::LinearImage seen_image(PixelArray array, const display::Chromaticities&
 }
 
 /// Returns the primaries of a cell's image. Images of renderers without this information count as Rec. 709.
-display::Chromaticities primaries_of(const Cell& cell) {
+display::Chromaticities primaries_of(const StudyRun& cell) {
     const Result<display::ExrImage> image = display::read_exr(cell.directory + "/image.exr");
     return image ? image->chromaticities.value_or(display::rec709_primaries()) : display::rec709_primaries();
 }
@@ -29,8 +29,8 @@ bool all_finite(const PixelArray& array) {
     return std::all_of(array.values.begin(), array.values.end(), [](double value) { return std::isfinite(value); });
 }
 
-void measure_row(CellErrors& row, const PixelArray& truth, const display::Chromaticities& primaries) {
-    Result<PixelArray> mean = read_mean(row.cell->directory, row.channel);
+void measure_row(RunErrors& row, const PixelArray& truth, const display::Chromaticities& primaries) {
+    Result<PixelArray> mean = read_mean(row.run->directory, row.channel);
     if (!mean || mean->values.size() != truth.values.size() || !all_finite(*mean)) return;
     const display::LinearImage image = seen_image(*std::move(mean), primaries),
                                reference = seen_image(truth, primaries);
@@ -56,15 +56,15 @@ void on_all_cores(std::size_t count, const std::function<void(std::size_t)>& wor
 
 void measure_as_seen(Study& study) {
     for (const SceneInfo& scene : study.experiment->scenes) {
-        std::vector<CellErrors*> rows;
-        for (CellErrors& row : study.cells)
-            if (row.cell->scene == scene.name && row.region.empty() && !scene.channels.empty() &&
+        std::vector<RunErrors*> rows;
+        for (RunErrors& row : study.runs)
+            if (row.run->scene == scene.name && row.region.empty() && !scene.channels.empty() &&
                 row.channel == scene.channels.front().name)
                 rows.push_back(&row);
         if (rows.empty()) continue;
         const Result<PixelArray> truth = read_mean(scene.reference, scene.channels.front().name);
         if (!truth || truth->components != 3 || !all_finite(*truth)) continue;
-        const display::Chromaticities primaries = primaries_of(*rows.front()->cell);
+        const display::Chromaticities primaries = primaries_of(*rows.front()->run);
         on_all_cores(rows.size(), [&](std::size_t i) { measure_row(*rows[i], *truth, primaries); });
     }
 }

@@ -32,8 +32,8 @@ inline constexpr std::array<display::ImageMetric, 2> seen_metrics{display::Image
                                                                   display::ImageMetric::flip};
 
 /// The errors of one channel of one cell on one region.
-struct CellErrors {
-    const Cell* cell = nullptr;
+struct RunErrors {
+    const StudyRun* run = nullptr;
     std::string variant, channel, region;  ///< region "": the whole image
     display::ErrorMeasures measures;
     double relmse_excess = 0, mse_excess = 0;  ///< expected contribution of the reference's noise; 0 if unknown
@@ -59,16 +59,16 @@ struct Curve {
     std::string scene, variant, channel, region;
     BudgetKind budget_kind = BudgetKind::samples;
     std::vector<BudgetPoint> points;  ///< by seconds
-    SlopeVerdict slope;
+    SlopeTest slope;
     std::vector<TimeToError> times;
     std::optional<PredictionCheck> prediction;
     Interval speed_up;   ///< relative to the scene's first variant, each at its largest budget
     bool first = false;  ///< this is the first variant
 };
 
-enum class BiasJudgement : std::uint8_t {
+enum class BiasConclusion : std::uint8_t {
     not_tested,
-    not_judged,   ///< the method declares that it does not find some paths of the channel
+    omits_paths,  ///< the method declares that it does not find some paths of the channel
     rare,         ///< the images differ, but a few rare samples dominate
     differs,      ///< differs from the comparison by more than noise
     cannot_tell,  ///< no difference, or an inconclusive one
@@ -79,23 +79,23 @@ struct BiasEntry {
     std::string scene, variant, channel;
     double budget = 0;
     std::size_t replicates = 0;
-    BiasVerdict verdict;
+    BiasTest result;
     /// True if a few rare samples dominate the cells, or a reference of unknown variance. The test's assumptions then
     /// do not hold, so no method is reported as biased.
     bool heavy_tail = false;
     /// paths of this channel that the method declares not to find; it is then not judged by the channel
     std::string omitted;
     std::string against;  ///< the method whose replicates it is compared with; empty: the scene's reference
-    std::string doubt;    ///< why agreement with the reference, or difference from it, is not evidence
+    std::string caveat;   ///< why agreement with the reference, or difference from it, is not evidence
     /// The reason why the result is inconclusive; empty if the reason is noise.
-    [[nodiscard]] const std::string& reason() const { return doubt.empty() ? verdict.blind : doubt; }
-    [[nodiscard]] BiasJudgement judgement() const;
-    [[nodiscard]] bool convicts() const { return judgement() == BiasJudgement::differs; }
+    [[nodiscard]] const std::string& reason() const { return caveat.empty() ? result.blind : caveat; }
+    [[nodiscard]] BiasConclusion conclusion() const;
+    [[nodiscard]] bool convicts() const { return conclusion() == BiasConclusion::differs; }
 };
 
-struct WordsEntry {
+struct CounterexampleEntry {
     std::string scene, variant;
-    FirstWords first;
+    Counterexamples first;
 };
 
 /// Two variants that differ in one setting, of one method or of two.
@@ -151,10 +151,10 @@ struct Study {
     const Experiment* experiment = nullptr;
     StudyReportOptions options;
     std::vector<MethodVariant> variants;
-    std::vector<CellErrors> cells;
+    std::vector<RunErrors> runs;
     std::vector<Curve> curves;  ///< by scene, channel, region and variant, in the order of the config
     std::vector<BiasEntry> bias;
-    std::vector<WordsEntry> words;
+    std::vector<CounterexampleEntry> words;
     std::vector<SettingEffect> effects;
     std::vector<MethodComparison> comparisons;
     std::vector<Omission> omissions;
@@ -171,14 +171,14 @@ struct Study {
 
 inline constexpr std::array<double, 5> target_errors{0.1, 0.05, 0.02, 0.01, 0.005};
 
-std::string variant_name(const Cell& cell);
+std::string variant_name(const StudyRun& run);
 
 /// Reads every image once. Unreadable images and missing references become omissions. Errors: a region does not fit its
 /// scene.
 Result<Study> study_of(const Experiment& experiment, const StudyReportOptions& options);
 
 /// Computes curves and verdicts from the measurements, the second half of study_of().
-void judge_curves(Study& study);
+void check_curves(Study& study);
 /// Makes the first table of the page, for every channel on the whole image.
 void compare_variants(Study& study);
 /// Returns sign, size, interval and place of a difference: "-54 % [-56, -52] of the mean".
@@ -186,15 +186,16 @@ std::string finding_of(const Study& study, const BiasEntry& entry);
 /// Returns the place of the most significant difference: "whole image", "block at (16, 32)".
 std::string block_text(const Study& study, const BiasEntry& entry);
 /// Returns a verdict with its reason: "cannot tell: a bias below 158 % of the mean would be missed".
-std::string verdict_of(const Study& study, const BiasEntry& entry);
-/// Returns the shortest wrong path of the channel that verdict_lines() names: the first channel that differs. For the
+std::string result_of(const Study& study, const BiasEntry& entry);
+/// Returns the shortest wrong path of the channel that result_lines() names: the first channel that differs. For the
 /// beauty, which contains all paths, that of any channel. Null if unknown.
-const FirstWords::Word* first_word(const Study& study, const std::string& scene, const std::string& variant);
+const Counterexamples::Counterexample* first_counterexample(const Study& study, const std::string& scene,
+                                                            const std::string& variant);
 /// Returns a sentence about the best method for a channel.
 std::string best_sentence(const Study& study, const MethodComparison& comparison);
-/// Sets CellErrors::seen, using all cores.
+/// Sets RunErrors::seen, using all cores.
 void measure_as_seen(Study& study);
-/// Sets Study::spectra, using all cores. Call it after judge_curves().
+/// Sets Study::spectra, using all cores. Call it after check_curves().
 void measure_spectra(Study& study);
 /// Calls work(0) to work(count - 1) once each, in any order, with one thread per core.
 void on_all_cores(std::size_t count, const std::function<void(std::size_t)>& work);

@@ -180,23 +180,23 @@ void add_formulas(Lines& lines) {
     lines.add(formulas);
 }
 
-void add_run(Lines& lines, const Cell& cell) {
+void add_run(Lines& lines, const StudyRun& run) {
     Json json{{"kind", "run"},
-              {"cell", cell.id},
-              {"scene", cell.scene},
-              {"variant", variant_name(cell)},
-              {"budget_kind", budget_kind_name(cell.budget_kind)},
-              {"budget", number(cell.budget)},
-              {"replicate", cell.replicate},
-              {"seed", cell.seed},
-              {"samples_per_pixel", cell.samples_per_pixel},
-              {"wall_seconds", number(cell.wall_seconds)},
-              {"cpu_seconds", number(cell.cpu_seconds)},
-              {"rays", cell.rays},
-              {"other_load", number(cell.other_load < 0 ? NAN : cell.other_load)},
-              {"invalid_samples", cell.invalid_samples},
-              {"peak_memory_bytes", cell.peak_memory_bytes}};
-    if (cell.failed) json["failure"] = cell.failure;
+              {"cell", run.id},
+              {"scene", run.scene},
+              {"variant", variant_name(run)},
+              {"budget_kind", budget_kind_name(run.budget_kind)},
+              {"budget", number(run.budget)},
+              {"replicate", run.replicate},
+              {"seed", run.seed},
+              {"samples_per_pixel", run.samples_per_pixel},
+              {"wall_seconds", number(run.wall_seconds)},
+              {"cpu_seconds", number(run.cpu_seconds)},
+              {"rays", run.rays},
+              {"other_load", number(run.other_load < 0 ? NAN : run.other_load)},
+              {"invalid_samples", run.invalid_samples},
+              {"peak_memory_bytes", run.peak_memory_bytes}};
+    if (run.failed) json["failure"] = run.failure;
     lines.add(json);
 }
 
@@ -215,8 +215,8 @@ void add_spectrum(Lines& lines, const ErrorSpectrum& spectrum) {
     lines.add(json);
 }
 
-void add_errors(Lines& lines, const CellErrors& row) {
-    Json json{{"kind", "cell"},         {"cell", row.cell->id},   {"scene", row.cell->scene},
+void add_errors(Lines& lines, const RunErrors& row) {
+    Json json{{"kind", "cell"},         {"cell", row.run->id},    {"scene", row.run->scene},
               {"variant", row.variant}, {"channel", row.channel}, {"region", row.region}};
     for (const display::ErrorMetricInfo& each : display::error_metrics())
         json[each.name] = number(row.measures[each.metric]);
@@ -227,7 +227,7 @@ void add_errors(Lines& lines, const CellErrors& row) {
 }
 
 void add_bias(Lines& lines, const Study& study, const BiasEntry& entry) {
-    const BiasVerdict& v = entry.verdict;
+    const BiasTest& v = entry.result;
     lines.add(Json{{"kind", "bias"},
                    {"scene", entry.scene},
                    {"variant", entry.variant},
@@ -239,7 +239,7 @@ void add_bias(Lines& lines, const Study& study, const BiasEntry& entry) {
                    {"heavy_tail", entry.heavy_tail},
                    {"omitted", entry.omitted},
                    {"convicts", entry.convicts()},
-                   {"verdict", verdict_of(study, entry)},
+                   {"verdict", result_of(study, entry)},
                    {"against", entry.against},
                    {"adjusted_p", number(v.adjusted_p)},
                    {"tests", v.tests},
@@ -281,14 +281,13 @@ std::string results_csv(const Study& study) {
     for (const display::ImageMetric each : seen_metrics) text += "," + column_name(display::info_of(each).name);
     for (const Column& each : closing_columns) text += "," + std::string(each.name);
     text += "\r\n";
-    for (const CellErrors& row : study.cells) {
-        const Cell& cell = *row.cell;
-        text += quoted(cell.id) + "," + quoted(cell.scene) + "," + quoted(row.variant) + "," +
-                budget_kind_name(cell.budget_kind) + "," + csv_number(cell.budget) + "," +
-                std::to_string(cell.replicate) + "," + std::to_string(cell.seed) + "," +
-                std::to_string(cell.samples_per_pixel) + "," + csv_number(cell.wall_seconds) + "," +
-                csv_number(cell.cpu_seconds) + "," + std::to_string(cell.rays) + "," +
-                std::to_string(cell.invalid_samples) + "," + std::to_string(cell.peak_memory_bytes) + "," +
+    for (const RunErrors& row : study.runs) {
+        const StudyRun& run = *row.run;
+        text += quoted(run.id) + "," + quoted(run.scene) + "," + quoted(row.variant) + "," +
+                budget_kind_name(run.budget_kind) + "," + csv_number(run.budget) + "," + std::to_string(run.replicate) +
+                "," + std::to_string(run.seed) + "," + std::to_string(run.samples_per_pixel) + "," +
+                csv_number(run.wall_seconds) + "," + csv_number(run.cpu_seconds) + "," + std::to_string(run.rays) +
+                "," + std::to_string(run.invalid_samples) + "," + std::to_string(run.peak_memory_bytes) + "," +
                 quoted(row.channel) + "," + quoted(row.region);
         for (const double value : row.measures.values) text += "," + csv_number(value);
         for (const double value : row.seen) text += "," + csv_number(value);
@@ -301,8 +300,8 @@ std::string results_csv(const Study& study) {
 std::string results_jsonl(const Study& study) {
     Lines lines;
     add_formulas(lines);
-    for (const Cell& cell : study.experiment->cells) add_run(lines, cell);
-    for (const CellErrors& row : study.cells) add_errors(lines, row);
+    for (const StudyRun& run : study.experiment->runs) add_run(lines, run);
+    for (const RunErrors& row : study.runs) add_errors(lines, row);
     for (const Curve& curve : study.curves) add_curve(lines, curve);
     for (const BiasEntry& entry : study.bias) add_bias(lines, study, entry);
     for (const MethodComparison& each : study.comparisons)
@@ -313,8 +312,8 @@ std::string results_jsonl(const Study& study) {
                        {"variant", study.variants[each.best].name},
                        {"ratio", json_of(each.ratio)},
                        {"sentence", best_sentence(study, each)}});
-    for (const WordsEntry& entry : study.words)
-        for (const FirstWords::Word& word : entry.first.words)
+    for (const CounterexampleEntry& entry : study.words)
+        for (const Counterexamples::Counterexample& word : entry.first.words)
             lines.add(Json{{"kind", "first_words"},
                            {"scene", entry.scene},
                            {"variant", entry.variant},
@@ -333,10 +332,10 @@ std::string results_jsonl(const Study& study) {
                        {"speed_up", json_of(effect.speed_up)},
                        {"speed_up_by_medians", number(effect.by_medians)}});
     for (const ErrorSpectrum& spectrum : study.spectra) add_spectrum(lines, spectrum);
-    for (const Cell& cell : study.experiment->cells)
-        for (const PartitionVerdict& split : cell.splits)
+    for (const StudyRun& run : study.experiment->runs)
+        for (const PartitionResult& split : run.splits)
             lines.add(Json{{"kind", "split"},
-                           {"cell", cell.id},
+                           {"cell", run.id},
                            {"partition", split.partition},
                            {"holds", split.holds},
                            {"worst_relative_error", number(split.worst_relative_error)}});

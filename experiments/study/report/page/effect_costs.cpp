@@ -12,7 +12,7 @@ namespace raylex::experiments {
 namespace {
 
 constexpr std::string_view effect_prefix = "effects.";
-constexpr const char* doubt_sign = "&lowast;";
+constexpr const char* caveat_sign = "&lowast;";
 
 const std::string& beauty_of(const Study& study, const std::string& scene) {
     static const std::string none;
@@ -25,10 +25,10 @@ const std::string& beauty_of(const Study& study, const std::string& scene) {
 /// Returns the CPU seconds of each replicate at a budget.
 std::vector<double> cpu_seconds(const Study& study, const Curve& curve, double budget) {
     std::vector<double> seconds;
-    for (const CellErrors& each : study.cells)
-        if (each.cell->scene == curve.scene && each.variant == curve.variant && each.channel == curve.channel &&
-            each.region.empty() && each.cell->budget == budget)
-            seconds.push_back(each.cell->cpu_seconds);
+    for (const RunErrors& each : study.runs)
+        if (each.run->scene == curve.scene && each.variant == curve.variant && each.channel == curve.channel &&
+            each.region.empty() && each.run->budget == budget)
+            seconds.push_back(each.run->cpu_seconds);
     return seconds;
 }
 
@@ -45,7 +45,7 @@ std::string percent_cell(const Interval& interval) {
     if (!std::isfinite(interval.value)) return "<td class=\"number\">&ndash;</td>";
     std::string text = plain_number(interval.value * 100) + " %";
     if (!interval.valid())
-        text += "<sup class=\"sign\" title=\"" + escape_html(interval.note) + "\">" + doubt_sign + "</sup>";
+        text += "<sup class=\"sign\" title=\"" + escape_html(interval.note) + "\">" + caveat_sign + "</sup>";
     if (std::isfinite(interval.low) && std::isfinite(interval.high))
         text += " <span class=\"range\">[" + plain_number(interval.low * 100) + ", " +
                 plain_number(interval.high * 100) + "]</span>";
@@ -93,11 +93,11 @@ std::vector<EffectCost> effect_costs(const Study& study, const std::string& scen
 }
 
 std::string effect_costs_table(const Study& study, const std::string& scene) {
-    std::string rows, doubts;
+    std::string rows, caveats;
     for (const EffectCost& each : effect_costs(study, scene)) {
         for (const Interval* interval : {&each.time, &each.error, &each.own_error})
-            if (!interval->valid() && doubts.find(interval->note) == std::string::npos)
-                doubts += (doubts.empty() ? "" : "; ") + interval->note;
+            if (!interval->valid() && caveats.find(interval->note) == std::string::npos)
+                caveats += (caveats.empty() ? "" : "; ") + interval->note;
         rows += "<tr>" + text_cell(each.effect) + text_cell(each.on ? "forced on" : "left out") +
                 percent_cell(each.time) + percent_cell(each.error) + percent_cell(each.own_error) + "</tr>\n";
     }
@@ -111,9 +111,9 @@ std::string effect_costs_table(const Study& study, const std::string& scene) {
            "absence "
            "saves.</p>\n" +
            table("<th>Effect</th><th></th><th>CPU time</th><th>Error</th><th>The whole render's own</th>", rows) +
-           (doubts.empty()
+           (caveats.empty()
                 ? ""
-                : "<p class=\"note\"><sup>" + std::string(doubt_sign) + "</sup> " + escape_html(doubts) + ".</p>\n");
+                : "<p class=\"note\"><sup>" + std::string(caveat_sign) + "</sup> " + escape_html(caveats) + ".</p>\n");
 }
 
 std::optional<Plot> effect_costs_plot(const Study& study, std::size_t scene) {

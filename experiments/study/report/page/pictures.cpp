@@ -10,13 +10,13 @@ namespace raylex::experiments {
 namespace {
 
 /// Returns the cell shown for a variant on a scene: the first replicate of the largest budget.
-const Cell* shown_cell(const Study& study, const std::string& scene, const std::string& variant) {
-    const Cell* shown = nullptr;
-    const auto larger = [](const Cell& a, const Cell& b) {
+const StudyRun* shown_cell(const Study& study, const std::string& scene, const std::string& variant) {
+    const StudyRun* shown = nullptr;
+    const auto larger = [](const StudyRun& a, const StudyRun& b) {
         if (a.budget_kind != b.budget_kind || a.budget == b.budget) return false;
         return a.budget_kind == BudgetKind::error ? a.budget < b.budget : a.budget > b.budget;
     };
-    for (const Cell& cell : study.experiment->cells)
+    for (const StudyRun& cell : study.experiment->runs)
         if (!cell.failed && cell.scene == scene && variant_name(cell) == variant &&
             (shown == nullptr || larger(cell, *shown) ||
              (cell.budget == shown->budget && cell.replicate < shown->replicate)))
@@ -66,7 +66,7 @@ std::vector<PictureSource> picture_sources(const Study& study) {
     for (std::size_t s = 0; s < study.experiment->scenes.size(); ++s) {
         const SceneInfo& scene = study.experiment->scenes[s];
         for (const MethodVariant& variant : study.variants)
-            if (const Cell* cell = shown_cell(study, scene.name, variant.name))
+            if (const StudyRun* cell = shown_cell(study, scene.name, variant.name))
                 sources.push_back({s, cell->directory, variant.name,
                                    variant.name + ", " + spoken_budget(cell->budget_kind, cell->budget)});
         if (!scene.reference.empty()) sources.push_back({s, scene.reference, {}, "reference"});

@@ -20,9 +20,9 @@ std::string number_cell(const std::string& text) {
 
 /// Returns the residual map of the worst cell of a failed split, if the cell's files still exist.
 std::string residual_picture(const Study& study, const std::string& scene, const std::string& partition,
-                             const std::string& cell_id) {
-    for (const Cell& cell : study.experiment->cells) {
-        if (cell.id != cell_id) continue;
+                             const std::string& run_id) {
+    for (const StudyRun& cell : study.experiment->runs) {
+        if (cell.id != run_id) continue;
         std::ifstream file(cell.directory + "/" + partition + ".residual.png", std::ios::binary);
         const std::vector<char> bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
         if (bytes.empty()) return {};
@@ -42,8 +42,8 @@ std::string splits_table(const Study& study) {
         std::string worst_cell;
     };
     std::map<std::array<std::string, 3>, Count> counts;  // scene, partition, variant
-    for (const Cell& cell : study.experiment->cells)
-        for (const PartitionVerdict& split : cell.splits) {
+    for (const StudyRun& cell : study.experiment->runs)
+        for (const PartitionResult& split : cell.splits) {
             Count& count = counts[{cell.scene, split.partition, variant_name(cell)}];
             ++(split.holds ? count.holds : count.fails);
             if (count.worst_cell.empty() || split.worst_relative_error > count.worst) {
@@ -82,7 +82,7 @@ std::string costs_table(const Study& study) {
         for (const MethodVariant& variant : study.variants) {
             std::vector<std::pair<std::string, Phase>> phases;
             double wall = 0, cpu = 0, rays = 0, invalid = 0, memory = 0, count = 0;
-            for (const Cell& cell : study.experiment->cells) {
+            for (const StudyRun& cell : study.experiment->runs) {
                 if (cell.failed || cell.scene != scene.name || variant_name(cell) != variant.name) continue;
                 count += 1;
                 wall += cell.wall_seconds;
@@ -161,7 +161,7 @@ std::string provenance_table(const Study& study) {
                    text_cell(settings) + text_cell(method.unbiased ? "unbiased" : "biased") + "</tr>\n";
     }
     std::string seeds;
-    for (const Cell& cell : experiment.cells)
+    for (const StudyRun& cell : experiment.runs)
         seeds += "<tr>" + text_cell(cell.id) + number_cell(std::to_string(cell.seed)) +
                  number_cell(std::to_string(cell.samples_per_pixel)) + number_cell(number_text(cell.wall_seconds)) +
                  number_cell(number_text(cell.cpu_seconds)) + text_cell(cell.failed ? "failed" : cell.isa) + "</tr>\n";

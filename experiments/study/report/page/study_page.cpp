@@ -29,11 +29,11 @@ std::string extent_summary(const Study& study) {
     const Experiment& experiment = *study.experiment;
     std::size_t failed = 0;
     double seconds = 0;
-    for (const Cell& cell : experiment.cells) {
+    for (const StudyRun& cell : experiment.runs) {
         failed += cell.failed ? 1 : 0;
         seconds += cell.wall_seconds;
     }
-    return "<p class=\"faint\">" + counted(experiment.cells.size() - failed, "cell", "cells") + " done" +
+    return "<p class=\"faint\">" + counted(experiment.runs.size() - failed, "cell", "cells") + " done" +
            (failed > 0 ? ", " + std::to_string(failed) + " failed" : "") +
            (experiment.missing.empty() ? "" : ", " + std::to_string(experiment.missing.size()) + " not run") + "; " +
            counted(experiment.scenes.size(), "scene", "scenes") + ", " +
@@ -44,10 +44,10 @@ std::string extent_summary(const Study& study) {
 
 std::string split_summary(const Experiment& experiment) {
     std::size_t splits = 0, broken = 0;
-    for (const Cell& cell : experiment.cells) {
+    for (const StudyRun& cell : experiment.runs) {
         if (cell.failed) continue;
         splits += cell.splits.size();
-        for (const PartitionVerdict& split : cell.splits) broken += split.holds ? 0 : 1;
+        for (const PartitionResult& split : cell.splits) broken += split.holds ? 0 : 1;
     }
     if (splits == 0) return {};
     return mark(broken == 0,
@@ -81,36 +81,36 @@ std::string finding_line(const std::string& type, const std::string& head, const
 }
 
 std::string bias_summary(const Study& study) {
-    std::map<BiasJudgement, Findings> found;
+    std::map<BiasConclusion, Findings> found;
     std::size_t clean = 0;
     double largest = 0;
     for (const BiasEntry& entry : study.bias) {
         if (!study.unbiased(entry.variant)) continue;
-        const BiasJudgement judgement = entry.judgement();
-        add_finding(found[judgement], entry.variant + " on " + entry.scene,
-                    judgement == BiasJudgement::differs      ? entry.channel + ": " + finding_of(study, entry)
-                    : judgement == BiasJudgement::not_judged ? entry.omitted
-                    : judgement == BiasJudgement::cannot_tell && !entry.reason().empty()
+        const BiasConclusion conclusion = entry.conclusion();
+        add_finding(found[conclusion], entry.variant + " on " + entry.scene,
+                    conclusion == BiasConclusion::differs       ? entry.channel + ": " + finding_of(study, entry)
+                    : conclusion == BiasConclusion::omits_paths ? entry.omitted
+                    : conclusion == BiasConclusion::cannot_tell && !entry.reason().empty()
                         ? entry.channel + ": " + entry.reason()
                         : entry.channel);
-        if (judgement != BiasJudgement::none_found) continue;
+        if (conclusion != BiasConclusion::none_found) continue;
         ++clean;
-        largest = std::max(largest, entry.verdict.detectable_whole);
+        largest = std::max(largest, entry.result.detectable_whole);
     }
     std::string text =
-        finding_line("fails", "Declared unbiased but differs from the reference:", found[BiasJudgement::differs]);
+        finding_line("fails", "Declared unbiased but differs from the reference:", found[BiasConclusion::differs]);
     if (clean > 0)
         text += mark(true, "No bias found") + "in " + counted(clean, "test", "tests") +
                 " of channels; any bias above " + percent_text(largest) +
                 " of the mean would be found with a probability of 90 %.</li>\n";
     return text +
-           finding_line("warn", "Cannot tell about bias:", found[BiasJudgement::cannot_tell],
+           finding_line("warn", "Cannot tell about bias:", found[BiasConclusion::cannot_tell],
                         ". If no reason is given, a bias of " + percent_text(largest_hidden_bias) +
                             " of the mean would be missed.") +
            finding_line("warn",
-                        "No verdict on bias, because a few rare samples dominate:", found[BiasJudgement::rare]) +
+                        "No verdict on bias, because a few rare samples dominate:", found[BiasConclusion::rare]) +
            finding_line("note", "Not judged, because the method declares that it does not find such paths:",
-                        found[BiasJudgement::not_judged]);
+                        found[BiasConclusion::omits_paths]);
 }
 
 std::string curve_summary(const Study& study) {
@@ -234,8 +234,8 @@ std::string scene_section(const Study& study, const std::vector<Plot>& known, st
                 "<div>" + costs + "</div></div>\n";
     if (const std::string effects = effects_table(study, scene); !effects.empty())
         html += "<h3>Benefit of each setting</h3>\n" + effects;
-    return html + "<h3>Bias against the reference</h3>\n" + words_list(study, scene) + bias_table(study, scene) +
-           "</section>\n";
+    return html + "<h3>Bias against the reference</h3>\n" + counterexample_list(study, scene) +
+           bias_table(study, scene) + "</section>\n";
 }
 
 }  // namespace

@@ -123,8 +123,8 @@ std::string standing_cell(const Standing& standing, bool best, double least_time
     return cell(html);
 }
 
-std::string slope_cell(const SlopeVerdict& slope, Footnotes& notes) {
-    const std::optional<Line>& line = slope.judged();
+std::string slope_cell(const SlopeTest& slope, Footnotes& notes) {
+    const std::optional<Line>& line = slope.checked();
     if (!line) return cell("&ndash;");
     return cell(figure(line->slope) + notes.sign(slope.samples ? "" : "against seconds without setup") +
                 " <span class=\"range\">[" + figure(line->slope_low) + ", " + figure(line->slope_high) + "]</span>");
@@ -206,9 +206,9 @@ std::string errors_table(const Study& study, const std::string& scene, const std
                             cell(interval_cell(point.relative, notes, 100, " %"));
         std::array<double, display::error_metric_count + seen_metrics.size()> sums{};
         double trimmed = 0, count = 0;
-        for (const CellErrors& each : study.cells) {
-            if (each.cell->scene != scene || each.variant != curve.variant || each.channel != channel ||
-                each.region != region || each.cell->budget != point.budget)
+        for (const RunErrors& each : study.runs) {
+            if (each.run->scene != scene || each.variant != curve.variant || each.channel != channel ||
+                each.region != region || each.run->budget != point.budget)
                 continue;
             for (std::size_t i = 0; i < display::error_metric_count; ++i) sums[i] += each.measures.values[i];
             for (std::size_t i = 0; i < seen_metrics.size(); ++i) sums[display::error_metric_count + i] += each.seen[i];
@@ -314,11 +314,11 @@ std::string predictions_text(const Study& study) {
            std::to_string(off.size()) + " curves of methods declared unbiased.</p>\n";
 }
 
-std::string words_list(const Study& study, const SceneInfo& scene) {
+std::string counterexample_list(const Study& study, const SceneInfo& scene) {
     std::string html;
-    for (const WordsEntry& entry : study.words) {
+    for (const CounterexampleEntry& entry : study.words) {
         if (entry.scene != scene.name) continue;
-        const FirstWords::Word* first = first_word(study, scene.name, entry.variant);
+        const Counterexamples::Counterexample* first = first_counterexample(study, scene.name, entry.variant);
         if (first == nullptr && entry.first.notes.empty()) continue;
         html += "<p><b>" + escape_html(entry.variant) + "</b> ";
         if (first != nullptr) {
@@ -326,7 +326,7 @@ std::string words_list(const Study& study, const SceneInfo& scene) {
                     escape_html(first->sentence) + "), the shortest one in channel <code>" +
                     escape_html(first->channel) + "</code>, or at a longer one of that channel";
             const char* before = "; further <code>";
-            for (const FirstWords::Word& word : entry.first.words) {
+            for (const Counterexamples::Counterexample& word : entry.first.words) {
                 if (&word == first) continue;
                 html += before + escape_html(word.text) + "</code> in " + escape_html(word.channel);
                 before = ", <code>";
@@ -355,7 +355,7 @@ std::string bias_table(const Study& study, const SceneInfo& scene) {
     Footnotes notes;
     for (const BiasEntry& entry : study.bias) {
         if (entry.scene != scene.name) continue;
-        const BiasVerdict& v = entry.verdict;
+        const BiasTest& v = entry.result;
         std::string cells = text_cell(entry.variant) + text_cell(entry.channel) +
                             cell(std::to_string(entry.replicates)) + cell(bias_budget(study, entry));
         if (!v.tested) {
@@ -363,12 +363,12 @@ std::string bias_table(const Study& study, const SceneInfo& scene) {
                         text_cell(v.note));
             continue;
         }
-        const BiasJudgement judgement = entry.judgement();
-        const char* type = judgement == BiasJudgement::differs      ? "fails"
-                           : judgement == BiasJudgement::none_found ? "holds"
-                           : judgement == BiasJudgement::not_judged ? "note"
-                                                                    : "warn";
-        cells += "<td class=\"" + std::string(type) + "\">" + escape_html(verdict_of(study, entry)) + "</td>";
+        const BiasConclusion conclusion = entry.conclusion();
+        const char* type = conclusion == BiasConclusion::differs       ? "fails"
+                           : conclusion == BiasConclusion::none_found  ? "holds"
+                           : conclusion == BiasConclusion::omits_paths ? "note"
+                                                                       : "warn";
+        cells += "<td class=\"" + std::string(type) + "\">" + escape_html(result_of(study, entry)) + "</td>";
         cells += cell(figure(v.adjusted_p, 2)) + cell(interval_cell(v.mean_difference, notes, 100, " %"));
         cells += cell(block_text(study, entry) + ", " + interval_cell(v.worst_difference, notes, 100, " %"));
         cells += cell(percent_text(v.detectable_whole)) + cell(percent_text(v.detectable_block));

@@ -30,7 +30,7 @@ std::string deviation_maps(const Study& study, const SceneInfo& scene);
 /// the number of files.
 Result<std::size_t> write_deviation_maps(const Study& study, const std::string& folder);
 std::string bias_table(const Study& study, const SceneInfo& scene);
-std::string words_list(const Study& study, const SceneInfo& scene);
+std::string counterexample_list(const Study& study, const SceneInfo& scene);
 std::string predictions_text(const Study& study);
 std::string splits_table(const Study& study);
 std::string costs_table(const Study& study);

@@ -57,7 +57,7 @@ std::string latex_text(const std::string& text) {
 std::string latex_table(const Study& study, const std::string& scene, const std::string& channel) {
     constexpr double target = 0.01;
     std::string rows;
-    bool doubtful = false;
+    bool uncertain = false;
     for (const Curve& curve : study.curves) {
         if (curve.scene != scene || curve.channel != channel || !curve.region.empty() || curve.points.empty()) continue;
         const BudgetPoint& point = curve.points.back();
@@ -70,7 +70,7 @@ std::string latex_table(const Study& study, const std::string& scene, const std:
         rows += latex_text(curve.variant) + " & " + latex_text(spoken_budget(curve.budget_kind, point.budget)) + " & " +
                 plain_number(point.seconds) + " & " + interval_text(point.relative, 100) + " & " + time + " & " +
                 (curve.first ? "1" : interval_text(curve.speed_up, 1)) + " \\\\\n";
-        doubtful = doubtful || !point.relative.valid() || !curve.speed_up.valid();
+        uncertain = uncertain || !point.relative.valid() || !curve.speed_up.valid();
     }
     if (rows.empty()) return {};
     return "% " + latex_text(study.experiment->name + ": " + scene + ", " + channel) +
@@ -79,7 +79,7 @@ std::string latex_table(const Study& study, const std::string& scene, const std:
            (study.noise_subtracted(scene, channel) ? ", the reference's noise subtracted" : "") +
            "; intervals: " + plain_number(study.options.confidence * 100) +
            " %.\n% Speed-up: 1 / (relmse-mean x seconds), relative to the first row. $^\\ast$ extrapolated.\n" +
-           (doubtful ? "% $^\\dagger$ interval not valid: report.html has the reason.\n" : "") +
+           (uncertain ? "% $^\\dagger$ interval not valid: report.html has the reason.\n" : "") +
            (study.experiment->cpu_clock ? "% Times are CPU seconds of all threads.\n" : "") +
            "\\begin{tabular}{llrlrl}\n\\toprule\nMethod & Budget & Time [s] & Relative error [\\%] & Time to 1\\,\\% "
            "[s] & "

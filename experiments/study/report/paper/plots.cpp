@@ -36,7 +36,7 @@ enum class Abscissa { seconds, samples };
 
 /// Returns the slope of the squared error, as in the page's table.
 std::string slope_note(const Curve& curve) {
-    const std::optional<Line>& line = curve.slope.judged();
+    const std::optional<Line>& line = curve.slope.checked();
     if (!line) return {};
     return "error\u00b2 falls with slope " + number_text(line->slope, 3) + " [" + number_text(line->slope_low, 3) +
            ", " + number_text(line->slope_high, 3) + "]";

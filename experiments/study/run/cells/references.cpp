@@ -12,9 +12,9 @@
 #include "experiments/program/work_lock.h"
 #include "experiments/study/file_records.h"
 #include "experiments/study/results_json.h"
-#include "experiments/study/run/cells/cell_files.h"
-#include "experiments/study/run/cells/cell_runner.h"
 #include "experiments/study/run/cells/method_settings.h"
+#include "experiments/study/run/cells/run_files.h"
+#include "experiments/study/run/cells/run_renderer.h"
 #include "transport/render/clock.h"
 
 namespace raylex::experiments {

@@ -94,7 +94,7 @@ Result<const ChannelPlan*> SceneStore::channels(std::size_t scene_index, std::si
     auto job = job_of(scene_index, variant);
     if (!job) return job.error();
     const transport::Stopwatch planning;
-    auto words = scene_words(*job, (*made)->loaded->scene, (*made)->built.get());
+    auto words = scene_path_strings(*job, (*made)->loaded->scene, (*made)->built.get());
     if (!words) return words.error();
     auto plan = plan_channels(*job, *words);
     if (!plan) return plan.error();
@@ -107,7 +107,8 @@ Result<const ChannelPlan*> SceneStore::channels(std::size_t scene_index, std::si
     return &channels_.emplace(key, std::pair(std::move(*plan), phase_of("plan", planning))).first->second.first;
 }
 
-std::vector<OmittedPathsInfo> SceneStore::omissions(const Job& job, const StudyScene& scene, const SceneWords& words) {
+std::vector<OmittedPathsInfo> SceneStore::omissions(const Job& job, const StudyScene& scene,
+                                                    const ScenePathStrings& words) {
     const transport::SceneEntity& entity =
         job.settings.paths.integrator ? *job.settings.paths.integrator : scene.loaded->scene.integrator;
     auto chosen = transport::choose_integrator(entity, job.settings.paths.max_depth);
@@ -119,7 +120,7 @@ std::vector<OmittedPathsInfo> SceneStore::omissions(const Job& job, const StudyS
         source.expression = each.expression;
         source.dialect = each.dialect;
         source.origin = "what integrator '" + chosen->name + "' omits";
-        const auto word = lpe::find_word(source, words.words);
+        const auto word = lpe::find_path_string(source, words.words);
         // If this cannot be determined, such paths may exist.
         if (!word || *word) found.push_back({each.expression, each.dialect == lpe::Dialect::osl ? "osl" : "renderman"});
     }
@@ -166,8 +167,8 @@ Result<Rendered> SceneStore::render(const RenderOrder& order,
         job.settings.checkpoint->identity.emplace_back("scene", (*made)->hash);
     }
     reset_peak_memory();
-    const auto cpu_beside = [&] { return order.beside == nullptr ? 0.0 : order.beside->cpu_seconds(); };
-    const double before = cpu_beside();
+    const auto baseline_cpu = [&] { return order.beside == nullptr ? 0.0 : order.beside->cpu_seconds(); };
+    const double before = baseline_cpu();
     const transport::Stopwatch watch;
     auto output = [&]() -> Result<transport::RenderOutput> {
         try {
@@ -176,7 +177,7 @@ Result<Rendered> SceneStore::render(const RenderOrder& order,
             return error_at({}, "out of memory; use a smaller resolution or fewer channels");
         }
     }();
-    const double wall = watch.wall(), cpu = watch.process_cpu() - (cpu_beside() - before);
+    const double wall = watch.wall(), cpu = watch.process_cpu() - (baseline_cpu() - before);
     seconds_ += wall;
     if (!output) return output.error();
     const transport::RenderStatistics& statistics = output->statistics;

@@ -12,11 +12,11 @@
 #include <vector>
 
 #include "experiments/job/channels/channel_plan.h"
-#include "experiments/job/channels/scene_words.h"
+#include "experiments/job/channels/scene_path_strings.h"
 #include "experiments/job/rendering/job_scene.h"
 #include "experiments/study/plan/config.h"
 #include "experiments/study/results.h"
-#include "experiments/study/run/cells/cell_closer.h"
+#include "experiments/study/run/cells/run_closer.h"
 #include "transport/render/built_scene.h"
 
 namespace raylex::experiments {
@@ -36,7 +36,7 @@ struct RenderOrder {
     std::uint64_t first_sample = 0;  ///< above 0, or with fewer `samples` than the cell: a part of a cell
     std::optional<transport::SampleLimit> limit{};
     std::optional<transport::CheckpointSettings> checkpoint{};  ///< without an identity, which is filled in
-    const CellCloser* beside = nullptr;                         ///< runs at the same time; its CPU time is subtracted
+    const RunCloser* beside = nullptr;                          ///< runs at the same time; its CPU time is subtracted
 };
 
 struct Rendered {
@@ -74,7 +74,8 @@ class SceneStore {
   private:
     Result<Job> job_of(std::size_t scene, std::size_t variant);
     /// Returns the paths that the variant's integrator does not find, if the scene has such paths.
-    static std::vector<OmittedPathsInfo> omissions(const Job& job, const StudyScene& scene, const SceneWords& words);
+    static std::vector<OmittedPathsInfo> omissions(const Job& job, const StudyScene& scene,
+                                                   const ScenePathStrings& words);
 
     const ExperimentConfig& config_;
     std::map<std::pair<std::size_t, std::string>, StudyScene> scenes_;  // by scene and choice of effects

@@ -145,7 +145,7 @@ int ChildProcess::close_and_reap() {
     return status;
 }
 
-void ChildProcess::take_words(int status, bool timed_out, double timeout_seconds, Answer& answer) {
+void ChildProcess::take_last_words(int status, bool timed_out, double timeout_seconds, Answer& answer) {
     while (!last_words_.empty() && (last_words_.back() == '\n' || last_words_.back() == ' ')) last_words_.pop_back();
     if (timed_out) answer.death = "was ended after its timeout of " + duration_text(timeout_seconds);
     else if (WIFSIGNALED(status)) answer.death = "was ended by " + signal_text(WTERMSIG(status));
@@ -191,7 +191,7 @@ Result<ChildProcess::Answer> ChildProcess::ask(const Request& request) {
         }
         if (request.told) request.told(content);
     }
-    take_words(close_and_reap(), answer.timed_out, request.timeout_seconds, answer);
+    take_last_words(close_and_reap(), answer.timed_out, request.timeout_seconds, answer);
     return answer;
 }
 

@@ -52,7 +52,7 @@ class ChildProcess {
     [[noreturn]] void serve(int requests, int answers) const;
     /// Forwards standard error of the process and keeps its end as last output.
     void pass_on_errors();
-    void take_words(int status, bool timed_out, double timeout_seconds, Answer& answer);
+    void take_last_words(int status, bool timed_out, double timeout_seconds, Answer& answer);
     int close_and_reap();
 
     std::function<Responder()> make_;

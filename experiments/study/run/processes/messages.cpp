@@ -14,15 +14,15 @@ Message unpacked(const std::string& bytes) {
     return Message::from_msgpack(bytes);
 }
 
-Message cell_message(const Cell& cell) {
-    return {{"text", cell_text(cell)}, {"directory", cell.directory}};
+Message run_message(const StudyRun& run) {
+    return {{"text", run_text(run)}, {"directory", run.directory}};
 }
 
-Cell cell_of_message(const Message& message) {
-    auto cell = cell_of_text(message.at("text"), "a message");
-    if (!cell) throw std::runtime_error(cell.error().to_string());
-    cell->directory = message.at("directory");
-    return *std::move(cell);
+StudyRun run_of_message(const Message& message) {
+    auto run = run_of_text(message.at("text"), "a message");
+    if (!run) throw std::runtime_error(run.error().to_string());
+    run->directory = message.at("directory");
+    return *std::move(run);
 }
 
 }  // namespace raylex::experiments

@@ -15,8 +15,8 @@ std::string packed(const Message& message);
 /// Parses the bytes of packed(). Throws for any other bytes.
 Message unpacked(const std::string& bytes);
 
-Message cell_message(const Cell& cell);
-Cell cell_of_message(const Message& message);
+Message run_message(const StudyRun& run);
+StudyRun run_of_message(const Message& message);
 RAYLEX_JSON_FIELDS(Error, message, file, line, column, excerpt, hint)
 
 }  // namespace raylex::experiments

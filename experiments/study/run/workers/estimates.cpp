@@ -43,10 +43,10 @@ Result<Calibration> calibration_of(const ExperimentConfig& config, SceneStore& s
     return error_at({}, "no sample was finished in " + duration_text(calibration_seconds.back()));
 }
 
-std::vector<std::string> Estimates::calibrate(CellWorker& worker, const Plan& plan, const std::set<std::size_t>& skips,
+std::vector<std::string> Estimates::calibrate(RunWorker& worker, const Plan& plan, const std::set<std::size_t>& skips,
                                               const std::atomic<bool>* stop) {
     std::set<std::pair<std::size_t, std::size_t>> wanted;
-    for (const PlannedCell& each : plan.cells) wanted.emplace(each.scene, each.variant);
+    for (const PlannedRun& each : plan.runs) wanted.emplace(each.scene, each.variant);
     if (!config_.reference.method.empty())
         for (std::size_t scene = 0; scene < config_.scenes.size(); ++scene)
             wanted.emplace(scene, config_.reference.variant);
@@ -73,7 +73,7 @@ std::vector<std::string> Estimates::calibrate(CellWorker& worker, const Plan& pl
     return warnings;
 }
 
-void Estimates::learn(const PlannedCell& planned, const Cell& done, double relative_error) {
+void Estimates::learn(const PlannedRun& planned, const StudyRun& done, double relative_error) {
     if (done.failed || done.samples_per_pixel == 0) return;
     Rate& rate = rates_[{planned.scene, planned.variant}];
     // New cells count as much as all earlier ones together, because machines change.
@@ -85,7 +85,7 @@ void Estimates::learn(const PlannedCell& planned, const Cell& done, double relat
     if (relative_error >= 0) rate.error_root = relative_error * std::sqrt(static_cast<double>(done.samples_per_pixel));
 }
 
-double Estimates::seconds_per_sample(const PlannedCell& planned) const {
+double Estimates::seconds_per_sample(const PlannedRun& planned) const {
     const auto found = rates_.find({planned.scene, planned.variant});
     return found == rates_.end() || found->second.samples <= 0 ? 0 : found->second.seconds / found->second.samples;
 }
@@ -103,12 +103,12 @@ std::optional<double> Estimates::seconds_of(std::size_t scene, std::size_t varia
     return rate.setup + samples * rate.seconds / rate.samples;
 }
 
-std::optional<double> Estimates::seconds(const PlannedCell& planned) const {
-    const Cell& cell = planned.cell;
-    if (cell.budget_kind == BudgetKind::seconds) return cell.budget;
-    if (cell.budget_kind == BudgetKind::error) return seconds_of(planned.scene, planned.variant, 0, cell.budget);
-    const bool is_part = !cell.part_of.empty();
-    const double samples = is_part ? static_cast<double>(cell.end_sample - cell.first_sample) : cell.budget;
+std::optional<double> Estimates::seconds(const PlannedRun& planned) const {
+    const StudyRun& run = planned.run;
+    if (run.budget_kind == BudgetKind::seconds) return run.budget;
+    if (run.budget_kind == BudgetKind::error) return seconds_of(planned.scene, planned.variant, 0, run.budget);
+    const bool is_part = !run.part_of.empty();
+    const double samples = is_part ? static_cast<double>(run.end_sample - run.first_sample) : run.budget;
     return seconds_of(planned.scene, planned.variant, samples, 0);
 }
 

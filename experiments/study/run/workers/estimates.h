@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "experiments/study/run/workers/cell_worker.h"
+#include "experiments/study/run/workers/run_worker.h"
 
 namespace raylex::experiments {
 
@@ -24,15 +24,15 @@ class Estimates {
     /// Renders each scene with each variant of raylex for a fifth of a second or 64 samples, which also warms up caches
     /// and clocks. Scenes in `skips` are left out. Returns each warning of the renders, and each reason for an unknown
     /// time, once. Stops after an interrupt.
-    std::vector<std::string> calibrate(CellWorker& worker, const Plan& plan, const std::set<std::size_t>& skips,
+    std::vector<std::string> calibrate(RunWorker& worker, const Plan& plan, const std::set<std::size_t>& skips,
                                        const std::atomic<bool>* stop);
     /// Learns from a finished cell.
-    void learn(const PlannedCell& planned, const Cell& done, double relative_error);
+    void learn(const PlannedRun& planned, const StudyRun& done, double relative_error);
 
     /// Returns the wall seconds of the cell's render; nothing if no similar cell has run.
-    [[nodiscard]] std::optional<double> seconds(const PlannedCell& planned) const;
+    [[nodiscard]] std::optional<double> seconds(const PlannedRun& planned) const;
     /// Returns the seconds per sample of the whole image; 0 if unknown.
-    [[nodiscard]] double seconds_per_sample(const PlannedCell& planned) const;
+    [[nodiscard]] double seconds_per_sample(const PlannedRun& planned) const;
     /// Returns the peak memory of the calibration in bytes; 0 without calibration.
     [[nodiscard]] std::uint64_t peak_memory_bytes() const { return peak_memory_bytes_; }
     /// Returns the seconds for the scene's reference.

@@ -4,9 +4,9 @@
 #include <new>
 #include <utility>
 
-#include "experiments/study/run/cells/cell_files.h"
-#include "experiments/study/run/cells/cell_parts.h"
-#include "experiments/study/run/cells/cell_runner.h"
+#include "experiments/study/run/cells/run_files.h"
+#include "experiments/study/run/cells/run_parts.h"
+#include "experiments/study/run/cells/run_renderer.h"
 #include "experiments/study/run/processes/messages.h"
 #include "experiments/study/run/workers/estimates.h"
 #include "transport/render/clock.h"
@@ -55,8 +55,8 @@ class Service {
                 return calibrate(scene, variant);
             case Operation::reference:
                 return reference(scene, request.at("info"), tell);
-            case Operation::cell:
-                return cell(request, {cell_of_message(request.at("cell")), scene, variant}, tell);
+            case Operation::run:
+                return run(request, {run_of_message(request.at("cell")), scene, variant}, tell);
             case Operation::close:
                 break;
         }
@@ -64,8 +64,8 @@ class Service {
         return closed ? Result<Message>(Message(true)) : Result<Message>(closed.error());
     }
 
-    CellCloser& closer() {
-        if (closer_ == nullptr) closer_ = std::make_unique<CellCloser>();
+    RunCloser& closer() {
+        if (closer_ == nullptr) closer_ = std::make_unique<RunCloser>();
         return *closer_;
     }
 
@@ -115,10 +115,10 @@ class Service {
         return Message{{"made", *made}, {"info", info}, {"seconds", seconds}};
     }
 
-    Result<Message> cell(const Message& request, const PlannedCell& planned, const Tell& tell) {
-        auto outcome = run_cell(context(tell), planned, request.at("seconds_per_sample"));
+    Result<Message> run(const Message& request, const PlannedRun& planned, const Tell& tell) {
+        auto outcome = render_run(context(tell), planned, request.at("seconds_per_sample"));
         if (!outcome) return outcome.error();
-        return Message{{"cell", cell_message(outcome->cell)},
+        return Message{{"cell", run_message(outcome->run)},
                        {"stopped", outcome->stopped},
                        {"relative_error", outcome->relative_error},
                        {"outside_seconds", outcome->outside_seconds}};
@@ -129,7 +129,7 @@ class Service {
     std::string directory_;
     const std::atomic<bool>* stop_;
     SceneStore scenes_;
-    std::unique_ptr<CellCloser> closer_;
+    std::unique_ptr<RunCloser> closer_;
 };
 
 }  // namespace

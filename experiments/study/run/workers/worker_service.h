@@ -10,9 +10,9 @@
 
 namespace raylex::experiments {
 
-enum class Operation : int { describe, frame_buffer, reason_to_keep, calibrate, reference, cell, close };
+enum class Operation : int { describe, frame_buffer, reason_to_keep, calibrate, reference, run, close };
 
-/// Returns a responder to the messages of CellWorker. The config and the plan must outlive it.
+/// Returns a responder to the messages of RunWorker. The config and the plan must outlive it.
 Responder make_worker_service(const ExperimentConfig& config, const Plan& plan, std::string directory,
                               const std::atomic<bool>* stop);
 

@@ -18,7 +18,7 @@ Vec3 at_cosine(double mu) {
     return {static_cast<Real>(std::sqrt(std::max(0.0, (1 - mu) * (1 + mu)))), 0, static_cast<Real>(mu)};
 }
 
-Ggx facets_asked_for(const ProbeInput& input) {
+Ggx requested_facets(const ProbeInput& input) {
     const double alpha = input.number("alpha");
     return Ggx::from_alpha(static_cast<Real>(alpha), static_cast<Real>(input.number("alpha_y", alpha)));
 }
@@ -26,7 +26,7 @@ Ggx facets_asked_for(const ProbeInput& input) {
 /// Integrates D cos over normals, in slopes (p, q) = alpha r (cos phi, sin phi), dm = ax ay m.z^3 r dr dphi. The
 /// density is in Real, everything else in double.
 Result<ProbeResult> ggx_normalisation(const ProbeInput& input) {
-    const Ggx facets = facets_asked_for(input);
+    const Ggx facets = requested_facets(input);
     if (Status given = input.status(); !given) return given.error();
     ProbeResult result;
     result.expected = 1;
@@ -53,7 +53,7 @@ Result<ProbeResult> ggx_normalisation(const ProbeInput& input) {
 /// Returns the reflectance of slightly rough metal relative to a mirror.
 Result<ProbeResult> ggx_smooth_limit(const ProbeInput& input) {
     const Vec3 wo = at_cosine(input.number("mu"));
-    const Ggx facets = facets_asked_for(input);
+    const Ggx facets = requested_facets(input);
     if (Status given = input.status(); !given) return given.error();
     const transport::ConductorClosure rough{facets, {0.2f, 0.92f, 1.1f}, {3.9f, 2.4f, 2.2f}, false};
     const transport::ConductorClosure mirror{{0, 0}, rough.eta, rough.k, false};
@@ -134,7 +134,7 @@ Result<ProbeResult> interface_reflectance(const ProbeInput& input) {
 /// Compares the table of facet albedos with their integral by many more points.
 Result<ProbeResult> albedo_table(const ProbeInput& input) {
     const double eta = input.number("eta", 0), mu = input.number("mu");
-    const Ggx facets = facets_asked_for(input);
+    const Ggx facets = requested_facets(input);
     if (Status given = input.status(); !given) return given.error();
     Vec3 wo = at_cosine(std::abs(mu));
     const Real from_there = static_cast<Real>(eta > 0 && mu < 0 ? 1 / eta : eta);
