@@ -56,7 +56,7 @@ double error_of(Comparison comparison, double measured, double expected) {
 }  // namespace
 
 std::string LineResult::error_text() const {
-    if (verdict == LineState::died || verdict == LineState::not_applicable) return "";
+    if (result == LineState::died || result == LineState::not_applicable) return "";
     if (tolerance.find(" se") != std::string::npos && standard_error > 0)
         return number_text(error / standard_error) + " se";
     if (tolerance.find(" ulp") != std::string::npos && ulp > 0) return number_text(error / ulp) + " ulp";
