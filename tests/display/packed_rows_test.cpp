@@ -1,5 +1,6 @@
 // Rows as OpenEXR's core unpacks them, compared with the values passed to its C++ interface.
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <string>
 #include <vector>
