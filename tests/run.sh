@@ -417,7 +417,7 @@ fi
 fuzz_seconds=60
 run_fuzzers() {
     local runtime
-    if ! runtime=$(clang++-14 -print-file-name=libclang_rt.fuzzer-x86_64.a 2>/dev/null) || [ ! -e "$runtime" ]; then
+    if ! runtime=$(clang++-14 -print-file-name="libclang_rt.fuzzer-$(uname -m).a" 2>/dev/null) || [ ! -e "$runtime" ]; then
         echo "SKIPPED fuzzing: needs the packages clang-14 and libclang-rt-14-dev"
         skipped=$((skipped + 1))
         return

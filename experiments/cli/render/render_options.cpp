@@ -117,7 +117,8 @@ void add_schedule_options(const OptionGroup& group, RenderOptions& options) {
 void add_machine_options(const OptionGroup& group, RenderOptions& options) {
     group.add("--threads", options.threads, "N", "number of threads; default 0: all cores")->check(CLI::Range(0, 4096));
     group.add("--isa", options.isa, "NAME",
-              "instruction set: sse2, sse4.2, avx, avx2 or avx512; default: the best that the processor supports");
+              "instruction set: " + std::string(display::instruction_set_names) +
+                  "; default: the best that the processor supports");
     group.add("--memory-limit", options.outputs.memory_limit, "SIZE",
               "refuses a render whose layers need more memory, such as 8G; default: no limit");
     group.add("--memory", options.memory, "SIZE",
