@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 
+#include "display/services/processor.h"
 #include "experiments/cli/option_group.h"
 #include "experiments/cli/plugin_options.h"
 #include "geoaovs/geoaovs.h"
