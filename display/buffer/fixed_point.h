@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 namespace raylex::display {
 
@@ -47,6 +48,10 @@ __extension__ typedef unsigned __int128 UnsignedInt128;
 [[nodiscard]] inline bool add_fixed(Int128& sum, Int128 term) {
     return !__builtin_add_overflow(sum, term, &sum);
 }
+
+// x86 has 64 bits in hardware, arm64 computes 113 in software. Resolved values are rounded to 53 at the end, so one of
+// some thousand differs in its last bit.
+static_assert(std::numeric_limits<long double>::digits >= 64, "sums need a long double that is wider than double");
 
 /// 2^exponent, exactly, and without the call that std::ldexp is.
 [[nodiscard]] inline long double power_of_two(int exponent) {

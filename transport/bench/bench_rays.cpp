@@ -12,6 +12,7 @@
 #include <ctime>
 #include <vector>
 
+#include "display/services/processor.h"
 #include "transport/embree/embree_scene.h"
 #include "transport/import/pbrt/pbrt_importer.h"
 #include "transport/render/built_scene.h"
@@ -69,7 +70,7 @@ int main(int argc, char** argv) {
     geometry.record(&log);
     value_or_exit(render(*scene, settings));
     geometry.record(nullptr);
-    flush_denormals();
+    display::flush_denormals();
     std::size_t shadow = 0;
     for (const RayLog::Batch& batch : log.batches) shadow += batch.shadow ? batch.count : 0;
     const auto rays = static_cast<double>(log.rays.size());

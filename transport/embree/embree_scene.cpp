@@ -4,9 +4,7 @@
 #include <cstddef>
 #include <cstring>
 
-#include <pmmintrin.h>
-#include <xmmintrin.h>
-
+#include "display/services/processor.h"
 #include "transport/embree/displacement.h"
 #include "transport/embree/embree_device.h"
 #include "transport/embree/scene_limits.h"
@@ -20,26 +18,6 @@ void report_error(void* user, RTCError, const char* text) {
     auto* log = static_cast<EmbreeErrorLog*>(user);
     const std::lock_guard lock(log->mutex);
     if (log->message.empty()) log->message = text ? text : "unknown error";
-}
-
-/// Embree's instruction sets that this machine supports, widest first. Each entry requires all features of Embree's set
-/// of that name.
-std::vector<std::string> supported_instruction_sets() {
-    __builtin_cpu_init();
-    const bool sse42 = __builtin_cpu_supports("sse4.2") && __builtin_cpu_supports("popcnt");
-    const bool avx = sse42 && __builtin_cpu_supports("avx");
-    const bool avx2 = avx && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
-                      __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2");
-    const bool avx512 = avx2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512cd") &&
-                        __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw") &&
-                        __builtin_cpu_supports("avx512vl");
-    std::vector<std::string> sets;
-    if (avx512) sets.emplace_back("avx512");
-    if (avx2) sets.emplace_back("avx2");
-    if (avx) sets.emplace_back("avx");
-    if (sse42) sets.emplace_back("sse4.2");
-    sets.emplace_back("sse2");
-    return sets;
 }
 
 }  // namespace
@@ -261,15 +239,18 @@ Status EmbreeScene::check_placements(const SceneDescription& scene, const Instan
 
 /// Starts Embree with the requested instruction set, or with the widest one of this machine that works.
 Status EmbreeScene::start_device(const Options& options) {
-    static const std::vector<std::string> known = {"sse2", "sse4.2", "avx", "avx2", "avx512"};
-    if (!options.isa.empty() && std::find(known.begin(), known.end(), options.isa) == known.end())
-        return error_at({"--isa", 0, 0},
-                        "unknown instruction set '" + options.isa + "'; expected sse2, sse4.2, avx, avx2 or avx512",
-                        near_miss(options.isa, known));
+    std::vector<std::string> sets = display::instruction_sets();
+    if (options.isa.empty()) std::erase_if(sets, [](const std::string& set) { return !display::supports(set); });
+    else if (std::find(sets.begin(), sets.end(), options.isa) == sets.end())
+        return error_at(
+            {"--isa", 0, 0},
+            "unknown instruction set '" + options.isa + "'; expected " + std::string(display::instruction_set_names),
+            near_miss(options.isa, sets));
+    else sets = {options.isa};
     device_ = std::make_unique<Device>();
     // The instruction set that Embree would choose is requested by name, so that the recorded name gives the same bits
     // later.
-    for (const std::string& isa : options.isa.empty() ? supported_instruction_sets() : std::vector{options.isa}) {
+    for (const std::string& isa : sets) {
         std::string config = "set_affinity=0,isa=" + isa;
         if (options.threads > 0) config += ",threads=" + std::to_string(options.threads);
         isa_ = isa;
@@ -442,11 +423,6 @@ void EmbreeScene::extend_lit_bounds(const Bounds& box) {
     lit_bounds_ = {each(before.lower, box.lower, [](Real a, Real b) { return std::min(a, b); }),
                    each(before.upper, box.upper, [](Real a, Real b) { return std::max(a, b); })};
     is_lit_ = true;
-}
-
-void flush_denormals() {
-    _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
-    _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
 }
 
 }  // namespace raylex::transport

@@ -140,7 +140,7 @@ struct InstancePlacements;  // scene_limits.h
 class EmbreeScene {
   public:
     struct Options {
-        std::string isa;      ///< "sse2", "sse4.2", "avx", "avx2", "avx512"; "" = the widest that this machine supports
+        std::string isa;      ///< one of display::instruction_sets(); "" = the widest that this machine supports
         int threads = 0;      ///< that build the scene; 0 = all
         RenderSpace space{};  ///< the space in which everything is placed, called "world" in this class
         ShutterSpan shutter{};
@@ -276,9 +276,5 @@ class EmbreeScene {
     /// streams are slower.
     bool streams_ = false;
 };
-
-/// Makes the calling thread flush denormals to zero (row 32 of the hard cases: a throughput that underflows would
-/// otherwise stay denormal and slow every multiplication).
-void flush_denormals();
 
 }  // namespace raylex::transport

@@ -8,18 +8,11 @@
 #include <span>
 #include <type_traits>
 
+#include "display/services/processor.h"
 #include "lpe/input/read_input.h"
 
 namespace raylex::transport {
 namespace {
-
-#if defined(__x86_64__)
-constexpr Elf64_Half this_machine = EM_X86_64;
-#elif defined(__aarch64__)
-constexpr Elf64_Half this_machine = EM_AARCH64;
-#else
-#error "which e_machine is this?"
-#endif
 
 static_assert(std::is_trivially_copyable_v<PluginStamp>);
 
@@ -72,7 +65,7 @@ Result<PluginStamp> read_plugin_stamp(const std::string& file, const SourceLocat
         header->e_ident[EI_DATA] != ELFDATA2LSB || header->e_type != ET_DYN)
         return error_at(where,
                         "plugin '" + file + "' is not a shared library; expected the output of raylex_add_plugin()");
-    if (header->e_machine != this_machine)
+    if (header->e_machine != display::elf_machine)
         return error_at(
             where, "plugin '" + file + "' was built for another kind of machine; expected a plugin for this machine");
     const std::span<const char> section = section_of(bytes, *header, PluginStamp::section);

@@ -26,7 +26,7 @@ struct RenderPlan;
 
 /// The threads and instructions that a render uses. BuiltScene::build() and the render read it.
 struct MachineSettings {
-    /// The instruction set for Embree: sse2, sse4.2, avx, avx2 or avx512. Empty: the widest that this machine has.
+    /// The instruction set for Embree, of display::instruction_sets(). Empty: the widest that this machine has.
     std::string isa{};
     int threads = 0;  ///< number of threads, at least 0; 0: one for each hardware thread
 };

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "display/buffer/frame_buffer/memory_estimate.h"
+#include "display/services/processor.h"
 #include "experiments/job/sampling_requests.h"
 #include "experiments/job/settings/kinds.h"
 
@@ -162,7 +163,8 @@ std::vector<RenderSetting> machine_settings() {
         {"--threads", "render.threads", "threads", "N", often, "number of threads; 0: all cores",
          whole(0, 4096, [](Job& job) { return &job.settings.machine.threads; })},
         {"--isa", "render.isa", "", "NAME", rare,
-         "instruction set: sse2, sse4.2, avx, avx2 or avx512; default: the best that the processor supports",
+         "instruction set: " + std::string(display::instruction_set_names) +
+             "; default: the best that the processor supports",
          text([](Job& job) { return &job.settings.machine.isa; })},
         {"--memory-limit", "render.memory_limit", "", "SIZE", rare,
          "refuses a render whose layers need more memory, such as 8G; default: no limit",

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "display/output/color/color_manager.h"
+#include "display/services/processor.h"
 #include "display/services/thread_or_none.h"
 #include "experiments/job/rendering/color_setup.h"
 #include "experiments/program/interrupt.h"
@@ -132,7 +133,7 @@ class SuiteService {
         std::atomic<std::size_t> next{0};
         std::vector<std::thread> threads;
         const auto work = [&] {
-            transport::flush_denormals();
+            display::flush_denormals();
             for (std::size_t line; (line = next++) < lines.size();)
                 results[line] = one(lines, line, static_cast<int>(cores / workers));
         };

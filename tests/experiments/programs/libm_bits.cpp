@@ -6,6 +6,7 @@
 #include <initializer_list>
 
 #include "display/services/elementary.h"
+#include "display/services/processor.h"
 
 namespace {
 
@@ -36,6 +37,6 @@ int main() {
                                   elementary::atan(y), elementary::tan(y), elementary::cos(y), elementary::expm1(-y)})
             own.add(value);
     }
-    std::printf("fma %s\nlibm %016llx\nown %016llx\n", __builtin_cpu_supports("fma") ? "yes" : "no",
+    std::printf("fma %s\nlibm %016llx\nown %016llx\n", raylex::display::supports("avx2") ? "yes" : "no",
                 static_cast<unsigned long long>(libm.value), static_cast<unsigned long long>(own.value));
 }
