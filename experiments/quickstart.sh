@@ -31,7 +31,8 @@ needed_megabytes=2200
 
 say() { printf '%s\n' "$*"; }
 stop() { printf 'quickstart.sh: %s\n' "$*" >&2; exit 2; }
-interrupted() { [ -z "$refining" ] || kill "$refining" 2>/dev/null; echo; say "Interrupted. Finished work is kept; the same command continues from there."; exit 130; }
+stop_refining() { [ -z "$refining" ] || { kill "$refining"; wait "$refining"; refining=""; } 2>/dev/null; }
+interrupted() { stop_refining; echo; say "Interrupted. Finished work is kept; the same command continues from there."; exit 130; }
 trap interrupted INT TERM
 refining=""
 minutes() { awk -v s="$1" 'BEGIN { if (s < 90) printf "%d s", s; else printf "%.0f min", s / 60 }'; }
@@ -114,7 +115,7 @@ if [ ! -x "$program" ]; then
 fi
 # The program and everything that `cmake --install` needs, but no tests.
 build "the rest" raylex_installed
-[ -z "$refining" ] || { kill "$refining" 2>/dev/null; wait "$refining" 2>/dev/null; refining=""; }
+stop_refining
 build_seconds=$(seconds_since "$started")
 
 # --- render --------------------------------------------------------------------------------------------------------------

@@ -50,10 +50,10 @@ std::string troff(const std::string& text) {
 std::string man_page(const CLI::App& command) {
     const CLI::Formatter form;
     const std::string text = command.get_description();
-    std::string page = ".TH " + page_name(command) + " 1 \"\" \"raylex " + raylex_version() + "\"\n.SH NAME\n" +
-                       page_name(command) + " \\- " + troff(text.substr(0, text.find_last_not_of('.') + 1)) +
-                       "\n.SH SYNOPSIS\n" + troff(with(form.make_usage(&command, command_words(command)), "\n", "")) +
-                       "\n";
+    std::string page =
+        ".TH " + page_name(command) + " 1 \"\" \"raylex " + raylex_version() + "\"\n.SH NAME\n" + page_name(command) +
+        " \\- " + troff(text.substr(0, text.find_last_not_of('.') + 1)) + "\n.SH SYNOPSIS\n" +
+        troff(with(with(form.make_usage(&command, command_words(command)), "\n", ""), "Usage: ", "")) + "\n";
     for (const std::string& group : command.get_groups()) {
         std::string options;
         for_each_option(command, group, [&](const CLI::Option& option) {
