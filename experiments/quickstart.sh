@@ -22,9 +22,9 @@ out=${1:-$root/build/quickstart}
 
 # CPU seconds and megabytes, measured on a machine with two cores and a cold compiler cache. The probe compiles one file
 # on every core of this machine: the time that it takes, over probe_seconds, is how much slower this machine is now.
-probe_seconds=3.0
-first_core_seconds=400
-rest_core_seconds=560
+probe_seconds=2.3
+first_core_seconds=140
+rest_core_seconds=210
 render_core_seconds=230
 study_core_seconds=110
 needed_megabytes=2200
@@ -61,20 +61,25 @@ bash "$here/install_packages.sh" || exit 2
 probe() {
     local started core
     started=$(date +%s.%N)
-    for ((core = 0; core < cores; core++)); do (cd "$root" && c++ -std=c++20 -O2 -I. -c lpe/language/glob.cpp -o /dev/null) & done
+    for ((core = 0; core < cores; core++)); do
+        (cd "$root" && c++ -std=c++20 -O2 -I. -c lpe/language/glob.cpp -o /dev/null) &
+    done
     wait
     awk -v s="$(seconds_since "$started")" -v p="$probe_seconds" 'BEGIN { printf "%d", 100 * s / p }'
 }
-percent=$(probe)
-estimate_of() { minutes $(($1 * percent / 100 / cores)); }
 pending=0
 for scene in "${scenes[@]}"; do is_rendered "$scene" || pending=$((pending + 1)); done
-say "raylex quickstart on $cores cores. Times are estimates for this machine as busy as it is now, from a probe:"
-[ -x "$program" ] || say "  build what renders     $(estimate_of $first_core_seconds), then a coarse picture"
-[ -x "$program" ] || say "  build the rest         $(estimate_of $rest_core_seconds), while the picture is refined"
-[ $pending -eq 0 ] || say "  render $pending of ${#scenes[@]} scenes     $(estimate_of $((render_core_seconds * pending / ${#scenes[@]})))"
-is_studied || say "  a study                $(estimate_of $study_core_seconds)"
-say "About $needed_megabytes MB of disk are used. Results go to $out"
+if [ $pending -gt 0 ] || ! is_studied; then
+    say "raylex quickstart on $cores cores. A probe estimates the times on this machine, as busy as it is now:"
+    percent=$(probe)
+    estimate() { say "  $1: about $(minutes $(($2 * percent / 100 / cores)))"; }
+    [ -x "$program" ] || estimate "build what renders, for a coarse picture" $first_core_seconds
+    [ -x "$program" ] || estimate "build the rest, while the picture is refined" $rest_core_seconds
+    [ $pending -eq 0 ] || estimate "render $pending of ${#scenes[@]} scenes" $((render_core_seconds * pending / ${#scenes[@]}))
+    is_studied || estimate "a study" $study_core_seconds
+    say "About $needed_megabytes MB of disk are used."
+fi
+say "Results go to $out"
 
 # --- build --------------------------------------------------------------------------------------------------------------
 started=$(date +%s.%N)

@@ -1,6 +1,7 @@
 // The command line independent of the command: unknown words, help, and the destination of text.
-#include <algorithm>
 #include <catch2/catch.hpp>
+
+#include <algorithm>
 
 #include "experiments/job/text/json.h"
 #include "support.h"
@@ -8,6 +9,7 @@
 namespace {
 
 using raylex::experiments::parse_json;
+using raylex::test::all_matches;
 using raylex::test::check_refused;
 using raylex::test::contains;
 using raylex::test::Folder;
