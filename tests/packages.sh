@@ -31,7 +31,7 @@ check "apt installs the program" inside "apt-get update && apt-get install -y --
 check "the first picture" inside "cd /root && raylex render /usr/share/raylex/quickstart/window-light.toml --spp 4 -o a.exr --preview a.png && [ -s a.png ]"
 echo "measured: $(($(date +%s) - started)) s from apt install to the first picture"
 check "the program finds its files" inside "raylex stability --list && raylex stability --list --plugin planted_error &&
-    raylex render x.pbrt --commands=make --shards 2 >/dev/null && [ -s /usr/share/man/man1/raylex-render.1.gz ]"
+    raylex render /usr/share/raylex/scenes/prism/scene.pbrt --commands=make --shards 2 >/dev/null && [ -s /usr/share/man/man1/raylex-render.1.gz ]"
 check "apt installs Python's module" inside "apt-get install -y --no-install-recommends /root/python3-raylex_*.deb &&
     python3 -c 'import raylex; s = raylex.Scene(\"/usr/share/raylex/scenes/cornell-grey/scene.pbrt\"); raylex.render(s, spp=1)'"
 check "a plugin builds with the development files" inside "apt-get install -y --no-install-recommends /root/libraylex-dev_*.deb g++ cmake make pkg-config &&

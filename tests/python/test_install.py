@@ -54,8 +54,9 @@ class Installed(Case):
         # It works where it is moved to.
         prefix = prefix.rename(self.folder / "moved")
         package, = prefix.glob("lib/python*/dist-packages/raylex/__init__.py")
+        scene = prefix / "share" / "raylex" / "scenes" / "prism" / "scene.pbrt"
         for arguments in (["stability", "--list"], ["stability", "--list", "--plugin", "planted_error"],
-                          ["render", "x.pbrt", "--commands=make", "--shards", "2"]):
+                          ["render", scene, "--commands=make", "--shards", "2"]):
             done = subprocess.run([prefix / "bin" / "raylex", *arguments], capture_output=True, text=True, check=False,
                                   cwd=self.folder)
             self.assertEqual(done.returncode, 0, f"{arguments}: {done.stderr}")
