@@ -27,13 +27,14 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME raylex)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SECTION graphics)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS libjs-d3)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "libraylex-dev, python3-raylex, graphviz")
-set(CPACK_COMPONENT_PROGRAM_DESCRIPTION "raylex renders pbrt-v4 scenes, splits their light by light path\
- expressions, proves that the splits add up, and runs studies of accuracy against time.")
+set(CPACK_COMPONENT_PROGRAM_DESCRIPTION "raylex renders pbrt-v4 scenes, splits their light by light path
+expressions, proves that the splits add up, and runs studies of
+accuracy against time.")
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libraylex-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "raylex (= ${version}), ${needs}")
-set(CPACK_COMPONENT_DEV_DESCRIPTION
-    "Headers, static libraries, and CMake and pkg-config files, for programs and plugins that use raylex.")
+set(CPACK_COMPONENT_DEV_DESCRIPTION "Headers, static libraries, and CMake and pkg-config files, for
+programs and plugins that use raylex.")
 if(TARGET raylex_python)
   list(APPEND CPACK_COMPONENTS_ALL python)
   math(EXPR next "${RAYLEX_PYTHON_MINOR} + 1")
@@ -41,7 +42,7 @@ if(TARGET raylex_python)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "raylex (= ${version}), python3-numpy, \
 python3 (>= 3.${RAYLEX_PYTHON_MINOR}), python3 (<< 3.${next})")
-  set(CPACK_COMPONENT_PYTHON_DESCRIPTION
-      "Renders and studies with NumPy arrays; integrators, textures and sample filters as Python classes.")
+  set(CPACK_COMPONENT_PYTHON_DESCRIPTION "Renders and studies with NumPy arrays; integrators, textures and
+sample filters as Python classes.")
 endif()
 include(CPack)
