@@ -32,7 +32,7 @@ needed_megabytes=2200
 say() { printf '%s\n' "$*"; }
 stop() { printf 'quickstart.sh: %s\n' "$*" >&2; exit 2; }
 stop_refining() { [ -z "$refining" ] || { kill "$refining"; wait "$refining"; refining=""; } 2>/dev/null; }
-interrupted() { stop_refining; echo; say "Interrupted. Finished work is kept; the same command continues from there."; exit 130; }
+interrupted() { stop_refining; say $'\n'"Interrupted. Finished work is kept; the same command continues from there."; exit 130; }
 trap interrupted INT TERM
 refining=""
 minutes() { awk -v s="$1" 'BEGIN { if (s < 90) printf "%d s", s; else printf "%.0f min", s / 60 }'; }
@@ -75,7 +75,8 @@ if [ $pending -gt 0 ] || ! is_studied; then
     estimate() { say "  $1: about $(minutes $(($2 * percent / 100 / cores)))"; }
     [ -x "$program" ] || estimate "build what renders, for a coarse picture" $first_core_seconds
     [ -x "$program" ] || estimate "build the rest, while the picture is refined" $rest_core_seconds
-    [ $pending -eq 0 ] || estimate "render $pending of ${#scenes[@]} scenes" $((render_core_seconds * pending / ${#scenes[@]}))
+    rendering=$((render_core_seconds * pending / ${#scenes[@]}))
+    [ $pending -eq 0 ] || estimate "render $pending of ${#scenes[@]} scenes" $rendering
     is_studied || estimate "a study" $study_core_seconds
     say "About $needed_megabytes MB of disk are used."
 fi

@@ -1,5 +1,5 @@
 # Debian packages, one for each install component: cpack --config build/release/CPackConfig.cmake
-set(RAYLEX_MAINTAINER "raylex maintainers <maintainers@example.org>" CACHE STRING "Maintainer of the packages: Name <mail>")
+set(RAYLEX_MAINTAINER "raylex maintainers <maintainers@example.org>" CACHE STRING "Name <mail>")
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME raylex)
 set(CPACK_PACKAGE_CONTACT ${RAYLEX_MAINTAINER})

@@ -65,7 +65,8 @@ bool is_shipped_plugin(const std::string& name) {
 }
 
 std::string shipped_plugin(const std::string& name) {
-    return resource("plugins/lib" + name + ".so");
+    const auto found = resource("plugins/lib" + name + ".so");
+    return found ? *found : found.error().file;
 }
 
 void read_color_table(TomlTable& root, const std::string& job_path, Job& job) {

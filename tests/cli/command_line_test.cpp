@@ -108,7 +108,7 @@ TEST_CASE("a program that was moved alone names what is missing") {
     for (const std::string line : {"stability --list", "render room.pbrt --commands=make --shards 2"}) {
         const Outcome alone = run_shell(folder, "bin/raylex " + line);
         CHECK(alone.code == 2);
-        CHECK(contains(alone.err, "this folder of raylex is missing"));
+        CHECK(contains(alone.err, "this part of raylex is missing"));
         CHECK(contains(alone.err, "move it too"));
     }
 }
