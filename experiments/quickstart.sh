@@ -22,16 +22,17 @@ out=${1:-$root/build/quickstart}
 
 # CPU seconds and megabytes, measured on a machine with two cores and a cold compiler cache. The probe compiles one file
 # on every core of this machine: the time that it takes, over probe_seconds, is how much slower this machine is now.
-probe_seconds=3.0
-first_core_seconds=400
-rest_core_seconds=560
+probe_seconds=2.3
+first_core_seconds=140
+rest_core_seconds=210
 render_core_seconds=230
 study_core_seconds=110
 needed_megabytes=2200
 
 say() { printf '%s\n' "$*"; }
 stop() { printf 'quickstart.sh: %s\n' "$*" >&2; exit 2; }
-interrupted() { [ -z "$refining" ] || kill "$refining" 2>/dev/null; echo; say "Interrupted. Finished work is kept; the same command continues from there."; exit 130; }
+stop_refining() { [ -z "$refining" ] || { kill "$refining"; wait "$refining"; refining=""; } 2>/dev/null; }
+interrupted() { stop_refining; say $'\n'"Interrupted. Finished work is kept; the same command continues from there."; exit 130; }
 trap interrupted INT TERM
 refining=""
 minutes() { awk -v s="$1" 'BEGIN { if (s < 90) printf "%d s", s; else printf "%.0f min", s / 60 }'; }
@@ -60,20 +61,26 @@ bash "$here/install_packages.sh" || exit 2
 probe() {
     local started core
     started=$(date +%s.%N)
-    for ((core = 0; core < cores; core++)); do (cd "$root" && c++ -std=c++20 -O2 -I. -c lpe/language/glob.cpp -o /dev/null) & done
+    for ((core = 0; core < cores; core++)); do
+        (cd "$root" && c++ -std=c++20 -O2 -I. -c lpe/language/glob.cpp -o /dev/null) &
+    done
     wait
     awk -v s="$(seconds_since "$started")" -v p="$probe_seconds" 'BEGIN { printf "%d", 100 * s / p }'
 }
-percent=$(probe)
-estimate_of() { minutes $(($1 * percent / 100 / cores)); }
 pending=0
 for scene in "${scenes[@]}"; do is_rendered "$scene" || pending=$((pending + 1)); done
-say "raylex quickstart on $cores cores. Times are estimates for this machine as busy as it is now, from a probe:"
-[ -x "$program" ] || say "  build what renders     $(estimate_of $first_core_seconds), then a coarse picture"
-[ -x "$program" ] || say "  build the rest         $(estimate_of $rest_core_seconds), while the picture is refined"
-[ $pending -eq 0 ] || say "  render $pending of ${#scenes[@]} scenes     $(estimate_of $((render_core_seconds * pending / ${#scenes[@]})))"
-is_studied || say "  a study                $(estimate_of $study_core_seconds)"
-say "About $needed_megabytes MB of disk are used. Results go to $out"
+if [ $pending -gt 0 ] || ! is_studied; then
+    say "raylex quickstart on $cores cores. A probe estimates the times on this machine, as busy as it is now:"
+    percent=$(probe)
+    estimate() { say "  $1: about $(minutes $(($2 * percent / 100 / cores)))"; }
+    [ -x "$program" ] || estimate "build what renders, for a coarse picture" $first_core_seconds
+    [ -x "$program" ] || estimate "build the rest, while the picture is refined" $rest_core_seconds
+    rendering=$((render_core_seconds * pending / ${#scenes[@]}))
+    [ $pending -eq 0 ] || estimate "render $pending of ${#scenes[@]} scenes" $rendering
+    is_studied || estimate "a study" $study_core_seconds
+    say "About $needed_megabytes MB of disk are used."
+fi
+say "Results go to $out"
 
 # --- build --------------------------------------------------------------------------------------------------------------
 started=$(date +%s.%N)
@@ -114,7 +121,7 @@ if [ ! -x "$program" ]; then
 fi
 # The program and everything that `cmake --install` needs, but no tests.
 build "the rest" raylex_installed
-[ -z "$refining" ] || { kill "$refining" 2>/dev/null; wait "$refining" 2>/dev/null; refining=""; }
+stop_refining
 build_seconds=$(seconds_since "$started")
 
 # --- render --------------------------------------------------------------------------------------------------------------

@@ -8,17 +8,17 @@ cd "$root"
 version=$(sed -n 's/^project(raylex VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)
 case "${1:-}" in -*) sed -n '2,4s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 2 ;; esac
 out=${1:-build/release-$version}
-git diff-index --quiet HEAD -- || { echo "release.sh: files differ from the commit; commit or remove the changes" >&2; exit 2; }
+stop() { echo "release.sh: $1" >&2; exit 2; }
+git diff-index --quiet HEAD -- || stop "files differ from the commit; commit or remove the changes"
 bash experiments/install_packages.sh dpkg-dev || exit 2
 mkdir -p "$out"
 out=$(cd "$out" && pwd)
 git archive --prefix="raylex-$version/" -o "$out/raylex-$version.tar.gz" HEAD
 last=$(git describe --tags --abbrev=0 HEAD^ 2>/dev/null || true)   # none: the whole history
 git log --no-merges --format='- %s' ${last:+"$last.."}HEAD >"$out/CHANGES.md"
-{ cmake --preset release && cmake --build --preset release --target raylex_installed; } >"$out/build.log" 2>&1 ||
-    { tail -n 30 "$out/build.log" >&2; exit 2; }
-cpack --config build/release/CPackConfig.cmake -B "$out/packing" >>"$out/build.log" 2>&1 || { tail -n 30 "$out/build.log" >&2; exit 2; }
-find "$out/packing" build/release/packages -maxdepth 1 -name '*.deb' -newer "$out/CHANGES.md" -exec mv {} "$out" \; 2>/dev/null
-rm -rf "$out/packing" "$out/build.log"
+cmake --preset release
+cmake --build --preset release --target raylex_installed
+cpack --config build/release/CPackConfig.cmake -B "$out"
+rm -rf "$out/_CPack_Packages"
 (cd "$out" && sha256sum -- *.tar.gz *.deb CHANGES.md >SHA256SUMS)
 ls -l "$out"

@@ -194,6 +194,11 @@ configure_and_build() {
     shift
     say "Building preset '$preset'${parts[*]:+: ${parts[*]/#/test_}}"
     local log="$results/build-$preset.log"
+    local cache=build/$preset/CMakeCache.txt
+    if [ -f "$cache" ] && ! grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$root" "$cache"; then
+        fail "build/$preset was configured for another folder; move it away: mv build/$preset build/$preset-old"
+        return 1
+    fi
     local targets=()
     [ ${#parts[@]} = 0 ] || targets=(--target "${parts[@]/#/test_}")
     # Plugins that only the gate's cases load.
@@ -334,6 +339,22 @@ run_slurm() {
     fi
 }
 
+# run_packages: the Debian packages, installed in a system of their own.
+run_packages() {
+    say "Packages"
+    local log="$results/packages.log" counts
+    bash tests/packages.sh build/release >"$log" 2>&1
+    counts=$(tail -n 1 "$log" | grep -oE '^[0-9]+ passed, [0-9]+ failed$')
+    grep -E '^measured' "$log"
+    if [ -z "$counts" ]; then
+        tail -n 40 "$log"
+        fail "the packages"
+    else
+        passed=$((passed + ${counts%% *}))
+        case $counts in *" 0 failed") ;; *) grep -A30 '^FAILED' "$log"; fail "the packages: $counts" ;; esac
+    fi
+}
+
 # In CI alone: the tools are 34 MB of packages. clang-tidy takes the folders where a mistake costs most.
 check_sources() {
     bash experiments/install_packages.sh clang-format-14 clang-tidy-14 || exit 2
@@ -378,6 +399,7 @@ if configure_and_build release "${warnings[@]}"; then
         say "Long tests (Release)"
         run_programs release full "[.full]"
         [ -n "$name" ] || run_slurm
+        [ -n "$name" ] || run_packages
     fi
 fi
 

@@ -46,8 +46,9 @@ void add_help_command(CLI::App& app, CommandContext& context) {
     auto folder = std::make_shared<std::string>();
     help->add_option("--write", *folder)->group("");
     help->callback([&app, words, folder, &context] {
-        const Status written = folder->empty() ? success() : write_manual(app, *folder);
-        context.exit_code = !written ? report_error(written.error()) : folder->empty() ? print_help(app, *words) : 0;
+        if (folder->empty()) context.exit_code = print_help(app, *words);
+        else if (Status written = write_manual(app, *folder); !written)
+            context.exit_code = report_error(written.error());
     });
 }
 

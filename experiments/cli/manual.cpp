@@ -1,6 +1,8 @@
 // Man pages and completions for shells, from the same options and texts as --help.
 #include <filesystem>
 #include <sstream>
+#include <string>
+#include <vector>
 
 #include "display/output/atomic_file.h"
 #include "experiments/cli/commands.h"
@@ -16,18 +18,25 @@ std::string with(std::string text, const std::string& what, const std::string& b
     return text;
 }
 
-/// Calls `visit` for a command and all commands below it.
-template <typename Visit>
-void for_each_command(const CLI::App& command, const Visit& visit) {
-    visit(command);
-    for (const CLI::App* each : command.get_subcommands([](const CLI::App*) { return true; }))
-        for_each_command(*each, visit);
+std::vector<const CLI::App*> below(const CLI::App& command) {
+    return command.get_subcommands([](const CLI::App*) { return true; });
 }
 
-template <typename Visit>
-void for_each_option(const CLI::App& command, const std::string& group, const Visit& visit) {
-    for (const CLI::Option* option : command.get_options())
-        if (option->get_group() == group && !group.empty()) visit(*option);
+/// Returns a command and all commands below it.
+std::vector<const CLI::App*> with_all_below(const CLI::App& command) {
+    std::vector<const CLI::App*> result{&command};
+    for (const CLI::App* each : below(command))
+        for (const CLI::App* further : with_all_below(*each)) result.push_back(further);
+    return result;
+}
+
+/// Returns the options that --help shows, group after group.
+std::vector<const CLI::Option*> options_of(const CLI::App& command) {
+    std::vector<const CLI::Option*> result;
+    for (const std::string& group : command.get_groups())
+        for (const CLI::Option* option : command.get_options())
+            if (!group.empty() && option->get_group() == group) result.push_back(option);
+    return result;
 }
 
 /// Returns the text up to its first semicolon, as the one line that a shell shows beside a word.
@@ -50,23 +59,20 @@ std::string troff(const std::string& text) {
 std::string man_page(const CLI::App& command) {
     const CLI::Formatter form;
     const std::string text = command.get_description();
-    std::string page = ".TH " + page_name(command) + " 1 \"\" \"raylex " + raylex_version() + "\"\n.SH NAME\n" +
-                       page_name(command) + " \\- " + troff(text.substr(0, text.find_last_not_of('.') + 1)) +
-                       "\n.SH SYNOPSIS\n" + troff(with(form.make_usage(&command, command_words(command)), "\n", "")) +
-                       "\n";
-    for (const std::string& group : command.get_groups()) {
-        std::string options;
-        for_each_option(command, group, [&](const CLI::Option& option) {
-            const bool positional = option.get_positional();
-            options += ".TP\n.B " + troff(form.make_option_name(&option, positional) + form.make_option_opts(&option)) +
-                       "\n" + troff(option.get_description()) + "\n";
-        });
-        if (!options.empty()) page += ".SH \"" + with(group, "\"", "") + "\"\n" + options;
+    std::string page =
+        ".TH " + page_name(command) + " 1 \"\" \"raylex " + raylex_version() + "\"\n.SH NAME\n" + page_name(command) +
+        " \\- " + troff(text.substr(0, text.find_last_not_of('.') + 1)) + "\n.SH SYNOPSIS\n" +
+        troff(with(with(form.make_usage(&command, command_words(command)), "\n", ""), "Usage: ", "")) + "\n";
+    std::string group;
+    for (const CLI::Option* option : options_of(command)) {
+        if (option->get_group() != group) page += ".SH \"" + (group = option->get_group()) + "\"\n";
+        page += ".TP\n.B " +
+                troff(form.make_option_name(option, option->get_positional()) + form.make_option_opts(option)) + "\n" +
+                troff(option->get_description()) + "\n";
     }
-    std::string below;
-    for (const CLI::App* each : command.get_subcommands([](const CLI::App*) { return true; }))
-        below += ".TP\n.BR " + troff(page_name(*each)) + " (1)\n" + troff(each->get_description()) + "\n";
-    if (!below.empty()) page += ".SH COMMANDS\n" + below;
+    if (!below(command).empty()) page += ".SH COMMANDS\n";
+    for (const CLI::App* each : below(command))
+        page += ".TP\n.BR " + troff(page_name(*each)) + " (1)\n" + troff(each->get_description()) + "\n";
     if (!command.get_footer().empty()) page += ".SH NOTES\n" + troff(command.get_footer()) + "\n";
     return page;
 }
@@ -78,17 +84,14 @@ std::string word_table(const CLI::App& app) {
     const auto entry = [](const std::string& word, const std::string& text) {
         return "'" + word + ":" + with(short_text(text), "'", "'\\''") + "' ";
     };
-    for_each_command(app, [&](const CLI::App& command) {
-        std::string below, flags;
-        for (const CLI::App* each : command.get_subcommands([](const CLI::App*) { return true; }))
-            below += entry(each->get_name(), each->get_description());
-        for (const std::string& group : command.get_groups())
-            for_each_option(command, group, [&](const CLI::Option& option) {
-                for (const std::string& name : option.get_lnames())
-                    flags += entry("--" + name, option.get_description());
-            });
-        table += "    '" + command_words(command) + "') below=(" + below + ") flags=(" + flags + ") ;;\n";
-    });
+    for (const CLI::App* command : with_all_below(app)) {
+        table += "    '" + command_words(*command) + "') below=(";
+        for (const CLI::App* each : below(*command)) table += entry(each->get_name(), each->get_description());
+        table += ") flags=(";
+        for (const CLI::Option* option : options_of(*command))
+            for (const std::string& name : option->get_lnames()) table += entry("--" + name, option->get_description());
+        table += ") ;;\n";
+    }
     return table + "    *) return 1 ;;\n    esac\n}\n";
 }
 
@@ -131,21 +134,19 @@ std::string fish_completion(const CLI::App& app) {
     const auto quoted = [](const std::string& text) {
         return " '" + with(with(short_text(text), "\\", "\\\\"), "'", "\\'") + "'";
     };
-    for_each_command(app, [&](const CLI::App& command) {
-        commands += quoted(command_words(command));
-        const std::string begin = "complete -c raylex -n '__raylex_at " + command_words(command) + "'";
-        for (const CLI::App* each : command.get_subcommands([](const CLI::App*) { return true; }))
+    for (const CLI::App* command : with_all_below(app)) {
+        commands += quoted(command_words(*command));
+        const std::string begin = "complete -c raylex -n '__raylex_at " + command_words(*command) + "'";
+        for (const CLI::App* each : below(*command))
             lines += begin + " -f -a " + each->get_name() + " -d" + quoted(each->get_description()) + "\n";
-        for (const std::string& group : command.get_groups())
-            for_each_option(command, group, [&](const CLI::Option& option) {
-                std::string names;
-                for (const std::string& name : option.get_lnames()) names += " -l " + name;
-                for (const std::string& name : option.get_snames()) names += " -s " + name;
-                if (names.empty()) return;
-                lines += begin + names + (option.get_items_expected_min() > 0 ? " -r" : "") + " -d" +
-                         quoted(option.get_description()) + "\n";
-            });
-    });
+        for (const CLI::Option* option : options_of(*command)) {
+            if (option->get_lnames().empty()) continue;
+            lines += begin + " -l " + option->get_lnames().front();
+            if (!option->get_snames().empty()) lines += " -s " + option->get_snames().front();
+            lines +=
+                (option->get_items_expected_min() > 0 ? " -r -d" : " -d") + quoted(option->get_description()) + "\n";
+        }
+    }
     return commands + fish_text + lines;
 }
 
@@ -159,8 +160,8 @@ Status write_manual(const CLI::App& app, const std::string& folder) {
         std::filesystem::create_directories(file.parent_path(), failed);
         if (written) written = display::write_text_file(file.string(), text);
     };
-    for_each_command(
-        app, [&](const CLI::App& command) { write("man/man1/" + page_name(command) + ".1", man_page(command)); });
+    for (const CLI::App* command : with_all_below(app))
+        write("man/man1/" + page_name(*command) + ".1", man_page(*command));
     write("bash-completion/completions/raylex", word_table(app) + bash_text);
     write("zsh/vendor-completions/_raylex", "#compdef raylex\n" + word_table(app) + zsh_text);
     write("fish/vendor_completions.d/raylex.fish", fish_completion(app));

@@ -28,7 +28,8 @@ namespace mustache = kainjow::mustache;
 std::vector<std::pair<std::string, fs::path>> shipped_templates() {
     std::vector<std::pair<std::string, fs::path>> found;
     std::error_code failed;
-    for (const fs::directory_entry& each : fs::directory_iterator(resource("cluster"), failed))
+    const auto folder = resource("cluster");
+    for (const fs::directory_entry& each : fs::directory_iterator(folder ? *folder : "", failed))
         found.emplace_back(each.path().stem().string(), each.path());
     std::sort(found.begin(), found.end());
     return found;
@@ -276,7 +277,7 @@ Result<fs::path> template_file(const std::string& format) {
         known.push_back(name);
     }
     if (format.find_first_of("./") != std::string::npos || fs::exists(format, failed)) return fs::path(format);
-    if (auto folder = needed_resource("cluster"); !folder) return folder.error();
+    if (auto folder = resource("cluster"); !folder) return folder.error();
     std::string list;
     for (const std::string& each : known) list += (list.empty() ? "" : ", ") + each;
     return error_at({"--commands", 0, 0},

@@ -64,7 +64,8 @@ bool is_shipped_plugin(const std::string& name) {
 }
 
 std::string shipped_plugin(const std::string& name) {
-    return resource("plugins/lib" + name + ".so");
+    const auto found = resource("plugins/lib" + name + ".so");
+    return found ? *found : found.error().file;
 }
 
 void read_method_settings(TomlTable& table, transport::RenderSettings& settings) {

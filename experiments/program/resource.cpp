@@ -8,7 +8,7 @@
 
 namespace raylex::experiments {
 
-std::string resource(const std::string& name) {
+Result<std::string> resource(const std::string& name) {
     namespace fs = std::filesystem;
     std::error_code failed;
     const fs::path program = fs::read_symlink("/proc/self/exe", failed).parent_path();
@@ -24,16 +24,9 @@ std::string resource(const std::string& name) {
     for (const fs::path& found : {program / name, installed, program.parent_path() / library, module / name,
                                   beside / name, prefix / data, prefix / library})
         if (fs::exists(found, failed)) return found.string();
-    return installed.string();
-}
-
-Result<std::string> needed_resource(const std::string& name) {
-    std::error_code failed;
-    std::string found = resource(name);
-    if (std::filesystem::exists(found, failed)) return found;
-    return error_at({found, 0, 0},
-                    "this folder of raylex is missing, also beside the program; expected the whole installation or "
-                    "clone where the program is: move it too, or build or install raylex again");
+    return error_at({installed.string(), 0, 0},
+                    "this part of raylex is missing, also beside the program; expected the whole installation or clone "
+                    "where the program is: move it too, or build or install raylex again");
 }
 
 }  // namespace raylex::experiments

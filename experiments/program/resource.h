@@ -9,9 +9,7 @@ namespace raylex::experiments {
 
 /// Returns the path of a file or folder of raylex, such as "stability" or "plugins/libplanted_error.so". Searches
 /// beside the program and the Python module, as a build folder has them, then below the prefix of either, as installed.
-/// If none has it, returns the path below the program's prefix, for the error message.
-std::string resource(const std::string& name);
-/// The same, with an error if none has it.
-Result<std::string> needed_resource(const std::string& name);
+/// Error: none has it; the error names the path below the program's prefix.
+Result<std::string> resource(const std::string& name);
 
 }  // namespace raylex::experiments

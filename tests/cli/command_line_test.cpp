@@ -1,12 +1,15 @@
 // The command line independent of the command: unknown words, help, and the destination of text.
 #include <catch2/catch.hpp>
 
+#include <algorithm>
+
 #include "experiments/job/text/json.h"
 #include "support.h"
 
 namespace {
 
 using raylex::experiments::parse_json;
+using raylex::test::all_matches;
 using raylex::test::check_refused;
 using raylex::test::contains;
 using raylex::test::Folder;
@@ -64,6 +67,49 @@ TEST_CASE("an unknown option is named, with the closest match") {
         const Outcome outcome = run_raylex(folder, nothing_near);
         CHECK(contains(outcome.err, "unknown option '-"));
         CHECK_FALSE(contains(outcome.err, "did you mean"));
+    }
+}
+
+TEST_CASE("man pages have every option of --help, and shells complete them") {
+    const Folder folder;
+    REQUIRE(run_raylex(folder, "help --write share").code == 0);
+    for (const std::string command : {"render", "lpe check", "stability"}) {
+        CAPTURE(command);
+        const std::string help = run_raylex(folder, command + (command == "render" ? " --help-all" : " --help")).out;
+        const auto options = all_matches(help, "\n  (-[a-z],)?(--[a-z-]+)");
+        REQUIRE(options.size() > 5);
+        std::string page = command;
+        std::replace(page.begin(), page.end(), ' ', '-');
+        // troff writes a hyphen as \-.
+        const std::string manual = run_shell(folder, "tr -d '\\\\' <share/man/man1/raylex-" + page + ".1").out;
+        for (const auto& option : options) {
+            CAPTURE(option.back());
+            CHECK(contains(manual, option.back()));
+            CHECK(contains(folder.read("share/zsh/vendor-completions/_raylex"), "'" + option.back() + ":"));
+        }
+    }
+    for (const std::string shell : {"bash", "zsh", "fish"}) {
+        CAPTURE(shell);
+        if (run_shell(folder, "command -v " + shell).code != 0) continue;
+        CHECK(run_shell(folder,
+                        "for file in $(find share/" + shell + "* -type f); do " + shell + " -n $file || exit 1; done")
+                  .code == 0);
+    }
+    const std::string complete =
+        ". share/bash-completion/completions/raylex; COMP_WORDS=(raylex lpe check --wr) "
+        "COMP_CWORD=3; _raylex raylex --wr check; echo \"${COMPREPLY[@]}\"; "
+        "COMP_WORDS=(raylex lpe co) COMP_CWORD=2; _raylex raylex co lpe; echo \"${COMPREPLY[@]}\"";
+    CHECK(run_shell(folder, complete).out == "--write-as\ncontains complement\n");
+}
+
+TEST_CASE("a program that was moved alone names what is missing") {
+    const raylex::test::SceneFolder folder;
+    REQUIRE(run_shell(folder, "mkdir bin && cp $RAYLEX bin").code == 0);
+    for (const std::string line : {"stability --list", "render room.pbrt --commands=make --shards 2"}) {
+        const Outcome alone = run_shell(folder, "bin/raylex " + line);
+        CHECK(alone.code == 2);
+        CHECK(contains(alone.err, "this part of raylex is missing"));
+        CHECK(contains(alone.err, "move it too"));
     }
 }
 

@@ -24,6 +24,20 @@ TEST_CASE("the quickstart's script is valid, has a help text and refuses unknown
     CHECK(folder.names().empty());
 }
 
+TEST_CASE("the quickstart estimates each step, and does not use a build folder that was configured elsewhere") {
+    const Folder folder;
+    folder.write("experiments/install_packages.sh", "exit 0\n");
+    folder.write("bin/c++", "#!/bin/sh\nsleep 0.2\n");
+    folder.write("build/release/CMakeCache.txt", "CMAKE_HOME_DIRECTORY:INTERNAL=/elsewhere\n");
+    const Outcome moved =
+        run_shell(folder, "mkdir lpe; chmod +x bin/c++; cp '" + script +
+                              "' experiments; PATH=$PWD/bin:$PATH bash experiments/quickstart.sh out");
+    CHECK(moved.code == 2);
+    CHECK(contains(moved.err, "mv build/release build/release-old"));
+    CHECK(folder.has("build/release/CMakeCache.txt"));
+    CHECK(count_matches(moved.out, "  [a-z][^:]*: about [0-9]+ s\n") == 4);  // 0.2 s: a fast machine
+}
+
 TEST_CASE("the quickstart's jobs are valid, and their scenes exist") {
     for (const std::string name : {"window-light", "lantern-fog"}) {
         CAPTURE(name);

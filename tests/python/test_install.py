@@ -51,12 +51,38 @@ class Installed(Case):
         done = subprocess.run(["cmake", "--install", BUILD, "--prefix", prefix], capture_output=True, text=True,
                               check=False)
         self.assertEqual(done.returncode, 0, done.stderr)
+        # It works where it is moved to.
+        prefix = prefix.rename(self.folder / "moved")
         package, = prefix.glob("lib/python*/dist-packages/raylex/__init__.py")
+        scene = prefix / "share" / "raylex" / "scenes" / "prism" / "scene.pbrt"
+        for arguments in (["stability", "--list"], ["stability", "--list", "--plugin", "planted_error"],
+                          ["render", scene, "--commands=make", "--shards", "2"]):
+            done = subprocess.run([prefix / "bin" / "raylex", *arguments], capture_output=True, text=True, check=False,
+                                  cwd=self.folder)
+            self.assertEqual(done.returncode, 0, f"{arguments}: {done.stderr}")
+        for name in ("man/man1/raylex-render.1", "bash-completion/completions/raylex", "raylex/scenes/prism/scene.pbrt",
+                     "raylex/raylex.ocio", "doc/raylex/experiments/docs/tutorial.md"):
+            self.assertTrue((prefix / "share" / name).is_file(), name)
         environment = clean_environment(PYTHONPATH=str(package.parents[1]))
         done = subprocess.run([sys.executable, "-c", TRY], capture_output=True, text=True, env=environment, check=False,
                               cwd=self.folder)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(done.stdout.strip(), str(package))
+
+    def test_a_moved_build_folder_takes_its_links_along(self):
+        for link in (BUILD / "stability", BUILD / "cluster", BUILD / "python" / "raylex" / "__init__.py"):
+            self.assertFalse(os.path.isabs(os.readlink(link)), link)
+            self.assertTrue(link.exists(), link)
+
+    def test_cmake_does_not_overwrite_a_package(self):
+        mark = self.folder / "share" / "doc" / "raylex" / "changelog.Debian.gz"
+        mark.parent.mkdir(parents=True)
+        mark.touch()
+        done = subprocess.run(["cmake", "--install", BUILD, "--prefix", self.folder], capture_output=True, text=True,
+                              check=False)
+        self.assertNotEqual(done.returncode, 0)
+        self.assertIn("apt remove raylex", done.stderr)
+        self.assertFalse((self.folder / "bin").exists())
 
     @unittest.skipUnless(FULL, "of --full")
     def test_pip_installs_it_offline(self):

@@ -87,7 +87,7 @@ int run_stability(StabilityOptions& options) {
     install_interrupt_handler();
     if (Status loaded = load_plugins(options.plugins); !loaded) return report_error(loaded.error());
     if (options.files.empty()) {
-        auto suite = needed_resource("stability");
+        auto suite = resource("stability");
         if (!suite) return report_error(suite.error());
         options.files.push_back(*suite);
     }
