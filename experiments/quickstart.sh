@@ -32,7 +32,11 @@ needed_megabytes=2200
 say() { printf '%s\n' "$*"; }
 stop() { printf 'quickstart.sh: %s\n' "$*" >&2; exit 2; }
 stop_refining() { [ -z "$refining" ] || { kill "$refining"; wait "$refining"; refining=""; } 2>/dev/null; }
-interrupted() { stop_refining; say $'\n'"Interrupted. Finished work is kept; the same command continues from there."; exit 130; }
+interrupted() {
+    stop_refining
+    say $'\n'"Interrupted. Finished work is kept; the same command continues from there."
+    exit 130
+}
 trap interrupted INT TERM
 refining=""
 minutes() { awk -v s="$1" 'BEGIN { if (s < 90) printf "%d s", s; else printf "%.0f min", s / 60 }'; }

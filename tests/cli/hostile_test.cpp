@@ -213,14 +213,14 @@ TEST_CASE("an interrupt is the exit code 130, and a second one leaves no partial
     CHECK(contains(twice.out, "code 130"));
     for (const std::string& name : folder.names()) CHECK_FALSE(contains(name, "partial"));
     // After an interrupt the program must not read the file again.
-    // A busy machine with sanitizers needs longer until the first sample of every pixel, before which nothing is written.
-    const Outcome once = run_shell(
-        folder,
-        "for seconds in 3 10 30; do\n"
-        "  timeout --preserve-status -s INT $seconds \"$RAYLEX\" "
-        "render room.pbrt --spp 6400000 --partition shipped -o once.exr; code=$?\n"
-        "  [ ! -e once.exr ] || break\n"
-        "done; exit $code");
+    // A busy machine with sanitizers needs longer until the first sample of every pixel, before which nothing is
+    // written.
+    const Outcome once = run_shell(folder,
+                                   "for seconds in 3 10 30; do\n"
+                                   "  timeout --preserve-status -s INT $seconds \"$RAYLEX\" "
+                                   "render room.pbrt --spp 6400000 --partition shipped -o once.exr; code=$?\n"
+                                   "  [ ! -e once.exr ] || break\n"
+                                   "done; exit $code");
     INFO(once.out << once.err);
     CHECK(once.code == 130);
     CHECK(contains(once.out, "partition 'shipped', checked while it was written: holds; "));
