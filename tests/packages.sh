@@ -37,8 +37,8 @@ install="apt-get install -y --no-install-recommends"
 check "apt fetches its lists" inside "apt-get update"
 started=$(date +%s)
 check "apt installs the program" inside "$install ./raylex_*.deb"
-check "the first picture" inside "raylex render /usr/share/raylex/quickstart/window-light.toml --spp 8 -o a.exr --preview a.png
-    [ -s a.png ]"
+job=/usr/share/raylex/quickstart/window-light.toml
+check "the first picture" inside "raylex render $job --spp 8 -o a.exr --preview a.png; [ -s a.png ]"
 echo "measured: $(($(date +%s) - started)) s from apt install to the first picture"
 check "the program finds its files" inside "raylex stability --list
     raylex stability --list --plugin planted_error
