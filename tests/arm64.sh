@@ -20,36 +20,19 @@ esac
 [ "$(id -u)" = 0 ] || skip "a chroot needs root; run: sudo bash tests/arm64.sh"
 unshare --mount --pid --fork true 2>/dev/null || skip "this machine forbids namespaces of mounts and processes"
 
-# inside COMMAND: runs a line of bash in the chroot, in its own namespaces of mounts and processes, so that nothing
-# stays when it ends. The clone is /raylex, and its build/ a folder of the chroot.
-inside() {
-    unshare --mount --pid --fork --kill-child --mount-proc="$system/proc" bash -c '
-        mount --rbind /dev "$1/dev" && mount --bind "$2" "$1/raylex" && mount --bind "$1/built" "$1/raylex/build" &&
-        exec chroot "$1" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C.UTF-8 \
-            DEBIAN_FRONTEND=noninteractive http_proxy="${http_proxy:-}" https_proxy="${https_proxy:-}" \
-            bash -c "cd /raylex && $3"' bash "$system" "$root" "$1"
-}
+. "$root/tests/support/debian_system.sh"
+built=$system/built
+inside() { in_debian "$system" "$1"; }
 
 if [ ! -e "$system/complete" ]; then
-    bash "$root/experiments/install_packages.sh" debootstrap || skip "debootstrap is missing"
-    mirror_of_apt() {
-        apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Origin: Debian' 'Label: Debian' 'Component: main' |
-            head -n 1
-    }
-    mirror=$(mirror_of_apt)
-    [ -n "$mirror" ] || { apt-get update >/dev/null && mirror=$(mirror_of_apt); }
-    [ -n "$mirror" ] || skip "apt has no mirror of Debian among its sources"
     echo "Making a Debian 12 with a compiler for arm64 in $system ..."
-    rm -rf --one-file-system "$system"
-    mkdir -p "$system"
+    make_debian bookworm "$system" || skip "the chroot could not be made"
     # The libraries that transport and the parts below it link.
     libraries=$(sed -n '/^libembree-dev/s/\([^ ]*-dev\)/\1:arm64/gp' "$root/experiments/packages.txt")
-    if ! { debootstrap --variant=minbase --include=ca-certificates bookworm "$system" "$mirror" &&
-        cp -L /etc/resolv.conf "$system/etc/resolv.conf" && mkdir "$system/raylex" "$system/built" &&
-        inside "dpkg --add-architecture arm64 && apt-get update && apt-get install -y --no-install-recommends \
-            g++-aarch64-linux-gnu cmake ninja-build ccache git qemu-user-static catch2 $libraries"; } >"$system.log" 2>&1; then
+    if ! inside "dpkg --add-architecture arm64 && apt-get update && apt-get install -y --no-install-recommends \
+            g++-aarch64-linux-gnu cmake ninja-build ccache git qemu-user-static catch2 $libraries" >"$system.log" 2>&1; then
         tail -n 20 "$system.log"
-        skip "the chroot could not be made; its messages are in $system.log"
+        skip "the packages could not be installed; the messages are in $system.log"
     fi
     touch "$system/complete"
 fi

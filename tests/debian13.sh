@@ -20,33 +20,14 @@ for compiler in "$@"; do
 done
 [ "$(id -u)" = 0 ] || stop "a chroot needs root; run: sudo bash tests/debian13.sh"
 
-# inside COMPILER COMMAND: runs a line of bash in the chroot, in its own namespaces of mounts and processes, so that
-# nothing stays when it ends. build/ is a folder for the compiler.
-inside() {
-    mkdir -p "$system/built/$1"
-    unshare --mount --pid --fork --kill-child --mount-proc="$system/proc" bash -c '
-        mount --rbind /dev "$1/dev" && mount --bind "$2" "$1/raylex" && mount --bind "$1/built/$3" "$1/raylex/build" &&
-        exec chroot "$1" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C.UTF-8 CI=true CXX="$3" \
-            http_proxy="${http_proxy:-}" https_proxy="${https_proxy:-}" bash -c "cd /raylex && $4"' \
-        bash "$system" "$root" "$1" "$2"
-}
+. "$root/tests/support/debian_system.sh"
+
+# inside COMPILER COMMAND: each compiler has a build folder of its own.
+inside() { built=$system/built/$1 in_debian "$system" "$2" CI=true CXX="$1"; }
 
 if [ ! -e "$system/complete" ]; then
-    bash "$root/experiments/install_packages.sh" debootstrap || exit 2
-    mirror_of_apt() {
-        apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Origin: Debian' 'Label: Debian' |
-            head -n 1
-    }
-    mirror=$(mirror_of_apt)
-    [ -n "$mirror" ] || { apt-get update >/dev/null && mirror=$(mirror_of_apt); }
-    [ -n "$mirror" ] || stop "apt has no mirror of Debian among its sources; expected one, which also has Debian 13"
     echo "Making a Debian 13 in $system ..."
-    rm -rf --one-file-system "$system"
-    mkdir -p "$system"
-    debootstrap --variant=minbase --include=ca-certificates trixie "$system" "$mirror" >"$system.log" 2>&1 ||
-        { tail -n 20 "$system.log" >&2; stop "debootstrap failed; its messages are in $system.log"; }
-    cp -L /etc/resolv.conf "$system/etc/resolv.conf"
-    mkdir "$system/raylex"
+    make_debian trixie "$system" || exit 2
     touch "$system/complete"
 fi
 

@@ -7,9 +7,10 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build=$(cd "${1:-$root/build/release}" && pwd) || exit 2
 suite=${2:-$(. /etc/os-release && echo "$VERSION_CODENAME")}
 [ "$(id -u)" = 0 ] || { echo "tests/packages.sh: a chroot needs root" >&2; exit 2; }
-bash "$root/experiments/install_packages.sh" debootstrap lintian dpkg-dev || exit 2
+bash "$root/experiments/install_packages.sh" lintian dpkg-dev || exit 2
 work=$(mktemp -d)
-trap 'umount "$work/system/proc" 2>/dev/null; rm -rf --one-file-system "$work"' EXIT
+trap 'rm -rf --one-file-system "$work"' EXIT
+. "$root/tests/support/debian_system.sh"
 passed=0 failed=0
 check() {
     local name=$1
@@ -17,10 +18,7 @@ check() {
     if "$@" >"$work/log" 2>&1; then passed=$((passed + 1)); echo "ok: $name"; else
         failed=$((failed + 1)); echo "FAILED: $name"; tail -n 30 "$work/log"; fi
 }
-inside() {
-    chroot "$work/system" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root DEBIAN_FRONTEND=noninteractive \
-        bash -ec "cd /root; $1"
-}
+inside() { in_debian "$work/system" "set -e; $1"; }
 pack() {
     cpack --config "$build/CPackConfig.cmake" -B "$work/made" &&
         [ "$(find "$work/made" -maxdepth 1 -name '*.deb' | wc -l)" = 3 ]
@@ -28,10 +26,7 @@ pack() {
 
 check "cpack makes three packages" pack
 check "lintian finds no error" lintian --allow-root --fail-on error "$work"/made/*.deb
-mirror=$(apt-cache policy base-files | grep -oE 'https?://[^ ]+' | head -n 1)
-debootstrap --variant=minbase --include=ca-certificates "$suite" "$work/system" "$mirror" >"$work/log" 2>&1 ||
-    { tail "$work/log"; echo "tests/packages.sh: debootstrap failed" >&2; exit 2; }
-mount -t proc proc "$work/system/proc" || exit 2
+make_debian "$suite" "$work/system" || exit 2
 cp "$work"/made/*.deb "$work/system/root/"
 install="apt-get install -y --no-install-recommends"
 check "apt fetches its lists" inside "apt-get update"
