@@ -30,7 +30,8 @@ study_core_seconds=110
 needed_megabytes=2200
 
 say() { printf '%s\n' "$*"; }
-stop() { printf 'quickstart.sh: %s\n' "$*" >&2; exit 2; }
+refining=""
+stop() { printf 'quickstart.sh: %s\n' "$*" >&2; stop_refining; exit 2; }
 stop_refining() { [ -z "$refining" ] || { kill "$refining"; wait "$refining"; refining=""; } 2>/dev/null; }
 interrupted() {
     stop_refining
@@ -38,7 +39,6 @@ interrupted() {
     exit 130
 }
 trap interrupted INT TERM
-refining=""
 minutes() { awk -v s="$1" 'BEGIN { if (s < 90) printf "%d s", s; else printf "%.0f min", s / 60 }'; }
 seconds_since() { awk -v a="$1" -v b="$(date +%s.%N)" 'BEGIN { printf "%.1f", b - a }'; }
 
@@ -119,7 +119,7 @@ if [ ! -x "$program" ]; then
     first=("$root/build/release/first_picture" "$here/scenes/${scenes[0]}/scene.pbrt" "$out/first.png")
     "${first[@]}" 8 || stop "the first picture failed"
     say "The first picture, still coarse, $(seconds_since "$begun") s after the start: $out/first.png"
-    [ ! -t 1 ] || [ -z "${DISPLAY:-}${WAYLAND_DISPLAY:-}" ] || xdg-open "$out/first.png" >/dev/null 2>&1
+    [ ! -t 1 ] || [ -z "${DISPLAY:-}${WAYLAND_DISPLAY:-}" ] || xdg-open "$out/first.png" >/dev/null 2>&1 &
     nice "${first[@]}" 32 128 &
     refining=$!
 fi

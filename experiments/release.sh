@@ -9,7 +9,7 @@ version=$(sed -n 's/^project(raylex VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)
 case "${1:-}" in -*) sed -n '2,4s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 2 ;; esac
 out=${1:-build/release-$version}
 stop() { echo "release.sh: $1" >&2; exit 2; }
-git diff-index --quiet HEAD -- || stop "files differ from the commit; commit or remove the changes"
+[ -z "$(git status --porcelain)" ] || stop "files differ from the commit; commit or remove the changes"
 bash experiments/install_packages.sh dpkg-dev || exit 2
 mkdir -p "$out"
 out=$(cd "$out" && pwd)

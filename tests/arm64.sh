@@ -17,10 +17,9 @@ case "${1:-}" in
 esac
 [ $# -gt 0 ] || set -- lpe services display
 [ "$(dpkg --print-architecture 2>/dev/null)" = amd64 ] || skip "it needs Debian on amd64, to cross-compile"
-[ "$(id -u)" = 0 ] || skip "a chroot needs root; run: sudo bash tests/arm64.sh"
-unshare --mount --pid --fork true 2>/dev/null || skip "this machine forbids namespaces of mounts and processes"
-
 . "$root/tests/support/debian_system.sh"
+[ -z "$(why_no_debian)" ] || skip "$(why_no_debian)"
+
 built=$system/built
 inside() { in_debian "$system" "$1"; }
 

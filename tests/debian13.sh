@@ -18,9 +18,8 @@ esac
 for compiler in "$@"; do
     case $compiler in g++ | clang++) ;; *) stop "unknown compiler '$compiler'; expected g++ or clang++" ;; esac
 done
-[ "$(id -u)" = 0 ] || stop "a chroot needs root; run: sudo bash tests/debian13.sh"
-
 . "$root/tests/support/debian_system.sh"
+[ -z "$(why_no_debian)" ] || stop "$(why_no_debian)"
 
 # inside COMPILER COMMAND: each compiler has a build folder of its own.
 inside() { built=$system/built/$1 in_debian "$system" "$2" CI=true CXX="$1"; }

@@ -1,16 +1,16 @@
 #!/usr/bin/env bash
 # Installs the Debian packages of a Release build in a Debian of its own, made by debootstrap, and renders with them.
 #   bash tests/packages.sh [BUILD [SUITE]]   BUILD defaults to build/release, SUITE to this system's; needs root
-# Prints "N passed, N failed"; exit 1 if something failed, 2 if it cannot begin.
+# Prints "N passed, N failed"; or SKIPPED and why; exit 1 if something failed, 2 if it cannot begin.
 set -uo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build=$(cd "${1:-$root/build/release}" && pwd) || exit 2
 suite=${2:-$(. /etc/os-release && echo "$VERSION_CODENAME")}
-[ "$(id -u)" = 0 ] || { echo "tests/packages.sh: a chroot needs root" >&2; exit 2; }
+. "$root/tests/support/debian_system.sh"
+[ -z "$(why_no_debian)" ] || { echo "SKIPPED packages: $(why_no_debian)"; exit 0; }
 bash "$root/experiments/install_packages.sh" lintian dpkg-dev || exit 2
 work=$(mktemp -d)
 trap 'rm -rf --one-file-system "$work"' EXIT
-. "$root/tests/support/debian_system.sh"
 passed=0 failed=0
 check() {
     local name=$1

@@ -44,7 +44,7 @@ Status DriverSet::open(const DriverImage& image) {
     return success();
 }
 
-bool DriverSet::send(const Slice& slice, const PixelSource& source) {
+std::vector<float> DriverSet::values_of(const Slice& slice, const PixelSource& source) const {
     const DriverLayer& layer = image_.layers[slice.layer];
     const std::vector<double> pixels = source.resolve(layer.channel, slice.region);
     const std::vector<double> alpha = layer.alpha ? source.resolve_alpha(slice.region) : std::vector<double>();
@@ -54,6 +54,11 @@ bool DriverSet::send(const Slice& slice, const PixelSource& source) {
         for (std::size_t c = 0; c < components; ++c) values[i * planes + c] = live_value(pixels[i * components + c]);
         if (layer.alpha) values[i * planes + components] = live_value(alpha[i]);
     }
+    return values;
+}
+
+bool DriverSet::send(const Slice& slice, const PixelSource& source) {
+    const std::vector<float> values = values_of(slice, source);
     bool taken = true;
     for (auto& driver : drivers_)
         if (driver->is_live()) taken = driver->region({slice.layer, slice.region, values}) && taken;
@@ -76,14 +81,21 @@ void DriverSet::finish_live(const PixelImage& frame_buffer) {
     if (slices_.empty()) return;
     const PixelSource source{[&](ChannelId id, const PixelRegion& region) { return frame_buffer.resolve(id, region); },
                              [&](const PixelRegion& region) { return frame_buffer.resolve_alpha(region); }};
+    for (auto& driver : drivers_) finish_live(*driver, source);
+}
+
+/// Sends all slices to one driver, so that a slow viewer costs the others nothing. Gives up when the driver accepts no
+/// slice for patience_seconds.
+void DriverSet::finish_live(DisplayDriver& driver, const PixelSource& source) const {
     const double last = now() + longest_seconds;
-    double deadline = now() + patience_seconds;
     for (const Slice& slice : slices_) {
-        while (any_live() && !send(slice, source)) {
+        if (!driver.is_live()) return;
+        const std::vector<float> values = values_of(slice, source);
+        const double deadline = std::min(now() + patience_seconds, last);
+        while (!driver.region({slice.layer, slice.region, values})) {
             if (now() > deadline) return;
             std::this_thread::sleep_for(std::chrono::milliseconds(10));
         }
-        deadline = std::min(now() + patience_seconds, last);
     }
 }
 

@@ -26,7 +26,7 @@ class DriverSet {
     static constexpr int slice_pixels = 1 << 15;
     /// How long close() waits for a live driver that accepts no slice of the finished image.
     static constexpr double patience_seconds = 2;
-    /// How long close() waits for all slices of the finished image.
+    /// How long close() waits for one live driver to accept all slices of the finished image.
     static constexpr double longest_seconds = 10;
 
     void add(std::unique_ptr<DisplayDriver> driver) { drivers_.push_back(std::move(driver)); }
@@ -49,7 +49,9 @@ class DriverSet {
         std::size_t layer = 0;
         PixelRegion region;
     };
+    [[nodiscard]] std::vector<float> values_of(const Slice& slice, const PixelSource& source) const;
     bool send(const Slice& slice, const PixelSource& source);
+    void finish_live(DisplayDriver& driver, const PixelSource& source) const;
     void finish_live(const PixelImage& frame_buffer);
     std::vector<std::unique_ptr<DisplayDriver>> drivers_;
     std::vector<bool> warned_;

@@ -35,7 +35,7 @@ class OptionGroup {
     CLI::Option* add(const RenderSetting& setting) const {
         const RenderSetting::Values& values = setting.values;
         const std::string help = setting.text() + (values.is_repeated ? "; may be repeated" : "");
-        if (setting.value.empty()) return command_.add_flag(setting.flag, help)->group(name_);
+        if (setting.value.empty()) return command_.add_flag(setting.flag, help)->disable_flag_override()->group(name_);
         CLI::Option* option = command_.add_option(setting.flag, help)->option_text(setting.value)->group(name_);
         option->type_name("TEXT");
         if (values.type == RenderSetting::Type::boolean)

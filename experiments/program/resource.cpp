@@ -20,11 +20,12 @@ Result<std::string> resource(const std::string& name) {
         module = fs::weakly_canonical(own.dli_fname, failed).parent_path();
     const fs::path beside = module.parent_path().parent_path(), prefix = beside.parent_path().parent_path();
     const fs::path data = fs::path(RAYLEX_DATA_FOLDER) / name, library = fs::path(RAYLEX_LIBRARY_FOLDER) / name;
-    const fs::path installed = program.parent_path() / data;
-    for (const fs::path& found : {program / name, installed, program.parent_path() / library, module / name,
-                                  beside / name, prefix / data, prefix / library})
+    const fs::path installed = program.parent_path() / data, installed_library = program.parent_path() / library;
+    for (const fs::path& found :
+         {program / name, installed, installed_library, module / name, beside / name, prefix / data, prefix / library})
         if (fs::exists(found, failed)) return found.string();
-    return error_at({installed.string(), 0, 0},
+    const bool is_library = fs::path(name).extension() == ".so";
+    return error_at({(is_library ? installed_library : installed).string(), 0, 0},
                     "this part of raylex is missing, also beside the program; expected the whole installation or clone "
                     "where the program is: move it too, or build or install raylex again");
 }

@@ -208,6 +208,27 @@ TEST_CASE("a viewer that leaves and one that does not read each give one warning
     else CHECK(warnings.size() <= 1);  // the system's buffers may have taken everything
 }
 
+TEST_CASE("a viewer that does not read takes nothing from another one", "[display][tev][gate]") {
+    // More than the queue of a viewer and the buffers of the system hold.
+    const int side = 1024;
+    const std::vector<ChannelDefinition> list = driver_channels();
+    const FrameBuffer buffer({side, side}, list);
+    DriverImage image = driver_image_of(list);
+    image.width = image.height = side;
+    TevReceiver stuck(TevReceiver::Manner::never_reads), reader;
+    DriverSet drivers;
+    for (const int port : {stuck.port(), reader.port()})
+        drivers.add(driver("tev:host=127.0.0.1,port=" + std::to_string(port)));
+    REQUIRE(drivers.open(image).ok());
+    REQUIRE(drivers.close({buffer, 0, {}}).ok());
+    const std::vector<std::string> warnings = drivers.take_warnings();
+    REQUIRE(warnings.size() == 1);
+    CHECK(warnings[0].find(std::to_string(stuck.port())) != std::string::npos);
+    const int slices = side / std::max(1, DriverSet::slice_pixels / side);
+    CHECK(eventually(
+        [&] { return reader.images()["out.exr"].updates == slices * static_cast<int>(image.layers.size()); }));
+}
+
 TEST_CASE("the bytes in a queue are limited, but one packet always fits", "[display][tev]") {
     TevReceiver viewer(TevReceiver::Manner::never_reads);
     PacketSender sender("127.0.0.1", viewer.port(), 1000);

@@ -1,5 +1,14 @@
 # Sourced by the scripts that need a Debian of their own: tests/debian13.sh, tests/arm64.sh and tests/packages.sh.
 
+# why_no_debian: prints why this machine cannot have a Debian of its own in a folder; nothing if it can.
+why_no_debian() {
+    if [ "$(id -u)" != 0 ]; then
+        echo "a chroot needs root"
+    elif ! unshare --mount --pid --fork true 2>/dev/null; then
+        echo "this machine forbids namespaces of mounts and processes"
+    fi
+}
+
 # make_debian SUITE FOLDER: installs a Debian in FOLDER, from the package mirror of this machine's apt. Prints why not,
 # and fails, if it cannot.
 make_debian() {

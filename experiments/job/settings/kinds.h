@@ -45,12 +45,19 @@ RenderSetting::Values applied(Set set, bool is_path = false, std::string usual =
     return values;
 }
 
+/// A text that may be empty.
+inline RenderSetting::Values has_empty(RenderSetting::Values values) {
+    values.has_empty = true;
+    return values;
+}
+
 /// A number from `least` to `most`, and of integers a multiple of `step`.
 template <typename Number, typename Field>
 RenderSetting::Values number(Number least, Number most, std::uint64_t step, const std::string& range, Field field) {
     auto values = applied([=](Job& job, const std::string& text, const SourceLocation& where) -> Status {
         Number value = 0;
-        const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), value);
+        const bool has_plus = text.size() > 1 && text[0] == '+' && text[1] != '-';
+        const auto [end, failed] = std::from_chars(text.data() + has_plus, text.data() + text.size(), value);
         const bool is_number = failed == std::errc() && end == text.data() + text.size();
         if (!is_number || !(value >= least && value <= most) ||
             (step > 1 && static_cast<std::uint64_t>(value) % step != 0))

@@ -115,7 +115,7 @@ std::vector<RenderSetting> atlas_settings() {
          request([](Job& job) { return &job.outputs.atlas; })},
         {"--atlas-by", "atlas.by", "", "label,lobe,group,straight,technique", rare,
          "properties that distinguish path strings, besides the types of events",
-         applied(set_atlas_words, false, display::to_string(display::PathStringRules()))},
+         has_empty(applied(set_atlas_words, false, display::to_string(display::PathStringRules())))},
         {"--atlas-length", "atlas.length", "", "N", rare,
          "longest path strings stored whole, in scattering events; default: the render's maximum depth, at most 64",
          whole(1, display::PathStringRules::most_length, [](Job& job) { return &job.outputs.atlas.rules.length; })},

@@ -41,6 +41,7 @@ void read_row(TomlTable& table, const RenderSetting& setting, const std::string&
         if (!table.read(key, texts, &places)) return;
         for (std::size_t i = 0; i < texts.size(); ++i) items.push_back({texts[i], places[i]});
     } else if (const toml::array* list = node->as_array(); list != nullptr && !values.separator.empty()) {
+        if (!list->is_homogeneous(toml::node_type::integer)) return table.wrong_type(key, *node, values.range.c_str());
         std::string joined;
         for (const toml::node& each : *list) joined += (joined.empty() ? "" : values.separator) + flag_text(each);
         items.push_back({joined, table.location_of(key)});
@@ -115,7 +116,9 @@ const RenderSetting& setting_of_flag(std::string_view flag) {
 
 Status set_from_flag(const RenderSetting& setting, const std::string& flag, const std::vector<std::string>& values,
                      Job& job) {
-    if (values.empty() || values.back().empty() || setting.values.type == Type::own) return success();
+    if (values.empty() || setting.values.type == Type::own) return success();
+    const bool is_text = setting.values.type == Type::string && !setting.values.has_empty;
+    if (is_text && values.back().empty()) return success();
     std::vector<RenderSetting::Item> items;
     for (const std::string& value : values)
         items.push_back({flag.starts_with("--no-") && value == "true" ? "false" : value, {flag, 0, 0}});

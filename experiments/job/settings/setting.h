@@ -31,6 +31,7 @@ struct RenderSetting {
         bool is_path = false;     ///< in a job, relative to the job's folder
         bool is_repeated = false;  ///< the flag can be given several times
         bool has_commas = false;   ///< the flag takes several values at once
+        bool has_empty = false;    ///< the empty text is a value; otherwise a flag with it counts as not given
         /// Sets the values of a job. A text is as in a flag; a boolean is "true" or "false".
         std::function<Status(Job&, const std::vector<Item>&)> set{};
     };

@@ -38,14 +38,14 @@ concept HasFields = requires(FieldWriter visit, T& object) {
     visit_fields(visit, object);
 };
 
-/// Sets fields from a JSON object. Throws Json::exception if a field is missing or has another type. Optional fields
-/// that are missing keep their values.
+/// Sets fields from a JSON object. Throws Json::exception if a field is missing or has another type. An optional field
+/// may be missing, and keeps its value, unless the fields before it require it.
 class FieldReader {
   public:
     explicit FieldReader(const Json& json) : json_(json) {}
     void operator()(const char* name, auto&& value) const { read(json_.at(name), value); }
-    void optional(const char* name, auto&& value, bool) const {
-        if (json_.contains(name)) (*this)(name, value);
+    void optional(const char* name, auto&& value, bool is_required) const {
+        if (is_required || json_.contains(name)) (*this)(name, value);
     }
 
   private:

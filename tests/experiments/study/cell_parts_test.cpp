@@ -169,6 +169,8 @@ TEST_CASE("incomplete sets of parts are refused by name, before anything is writ
     fs::create_directories(folder.path("part2/failed"));
     Json failed = parse_json(good);
     failed["state"] = "failed";
+    folder.write("part2/failed/" + run + ".p2of3.json", failed.dump());
+    refused(all, "reason");
     failed["reason"] = "out of memory";
     folder.write("part2/failed/" + run + ".p2of3.json", failed.dump());
     raylex_run(folder, all + "-o done");
