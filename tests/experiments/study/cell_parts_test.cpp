@@ -5,6 +5,7 @@
 
 #include "experiments/job/text/json.h"
 #include "experiments/study/results.h"
+#include "experiments/study/results_file.h"
 #include "tests/experiments/support.h"
 
 using namespace raylex::experiments;
