@@ -105,7 +105,7 @@ TEST_CASE("man pages have every option of --help, and shells complete them") {
 TEST_CASE("a program that was moved alone names what is missing") {
     const raylex::test::SceneFolder folder;
     REQUIRE(run_shell(folder, "mkdir bin && cp \"$RAYLEX\" bin").code == 0);
-    for (const std::string line : {"stability --list", "render room.pbrt --commands=make --shards 2"}) {
+    for (const std::string line : {"stability --list", "render room.pbrt --spp 32 --commands=make --shards 2"}) {
         const Outcome alone = run_shell(folder, "bin/raylex " + line);
         CHECK(alone.code == 2);
         CHECK(contains(alone.err, "this part of raylex is missing"));
