@@ -3,7 +3,7 @@
 #include <optional>
 #include <utility>
 
-#include "experiments/cli/lpe/verdicts.h"
+#include "experiments/cli/lpe/check_results.h"
 #include "experiments/job/channels/label_warnings.h"
 #include "experiments/program/console.h"
 #include "experiments/program/exit_codes.h"

@@ -1,4 +1,4 @@
-// The verdicts of raylex lpe check: which proofs the options ask for, and their results.
+// The proofs that the options of raylex lpe check request, and their results.
 #pragma once
 
 #include <optional>

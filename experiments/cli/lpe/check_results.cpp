@@ -1,4 +1,4 @@
-#include "experiments/cli/lpe/verdicts.h"
+#include "experiments/cli/lpe/check_results.h"
 
 #include <algorithm>
 #include <iterator>
@@ -50,7 +50,7 @@ void find_rest(const CheckOptions& options, const ChannelSet& set, CheckPicture&
     picture.rest = **rest;
     std::string ours;
     for (const std::string& each : lpe::extensions_in(picture.rest)) ours += (ours.empty() ? "" : ", ") + each;
-    if (renderman) picture.rest_note = "raylex reads it; RenderMan does not know " + ours;
+    if (renderman) picture.rest_note = "raylex reads it; RenderMan has no " + ours;
     else if (std::any_of(layers.sources.begin(), layers.sources.end(),
                          [](const lpe::ChannelSource& each) { return each.dialect == lpe::Dialect::osl; }))
         picture.rest_note = "it is in the dialect renderman";
