@@ -28,6 +28,11 @@ struct Event {
     bool operator==(const Event&) const = default;
 };
 
+/// Blanks separate the events of a path in text, and the names of an expression.
+[[nodiscard]] constexpr bool is_blank(char c) {
+    return c == ' ' || c == '\t' || c == '\r' || c == '\n';
+}
+
 /// The language of an expression; lpe/README.md has both grammars.
 enum class Dialect : std::uint8_t { renderman, osl };
 

@@ -9,10 +9,6 @@ namespace raylex::lpe {
 
 namespace {
 
-bool is_blank(char c) {
-    return c == ' ' || c == '\t' || c == '\r' || c == '\n';
-}
-
 class EventReader {
   public:
     explicit EventReader(std::string_view text) : text_(text) {}
@@ -139,12 +135,6 @@ std::string quoted_if_needed(const std::string& label) {
         text += c;
     }
     return text + "'";
-}
-
-std::size_t label_count(const Event& event) {
-    std::size_t count = event.labels.size();
-    while (count > 0 && event.labels[count - 1].empty()) { --count; }
-    return count;
 }
 
 std::string label_at(const Event& event, std::size_t slot) {

@@ -1,11 +1,11 @@
 # raylex_unity(<out> <source>...): returns the sources to compile instead. The sources of one folder of a part, and of its
-# subfolders, are compiled together, at most RAYLEX_UNITY_BATCH at a time. This takes less than half the time, because
-# headers and templates that several sources use are compiled once. CMake's own UNITY_BUILD writes absolute paths, so
-# two clones could not share a compiler cache.
+# subfolders, are compiled together, at most RAYLEX_UNITY_BATCH at a time; small folders are compiled with each other. This
+# takes less than half the time, because headers and templates that several sources use are compiled once. CMake's own
+# UNITY_BUILD writes absolute paths, so two clones could not share a compiler cache.
 #
-# Sources that are compiled together share their anonymous namespaces, so equal names there are compiler errors.
-# raylex_compile_alone() compiles a source separately, for example one that contains the code of a library. Generated
-# sources are always separate.
+# Sources that are compiled together share their anonymous namespaces, so names there are unique in a part; equal names
+# are compiler errors. raylex_compile_alone() compiles a source separately, for example one that contains the code of a
+# library. Generated sources are always separate. A second call for the same sources has another RAYLEX_UNITY_VARIANT.
 function(raylex_unity out)
   set(result "")
   set(folders "")
@@ -27,6 +27,7 @@ function(raylex_unity out)
     list(APPEND sources_${key} ${source})
   endforeach()
   list(REMOVE_DUPLICATES folders)
+  raylex_join_small_folders()
   foreach(key ${folders})
     # The smallest number of batches, with nearly equal lengths.
     list(LENGTH sources_${key} count)
@@ -40,7 +41,7 @@ function(raylex_unity out)
         file(RELATIVE_PATH member ${PROJECT_SOURCE_DIR} ${member})
         string(APPEND text "#include \"${member}\"\n")
       endforeach()
-      set(unity ${CMAKE_CURRENT_BINARY_DIR}/unity/${key}_${batch}.cpp)
+      set(unity ${CMAKE_CURRENT_BINARY_DIR}/unity${RAYLEX_UNITY_VARIANT}/${key}_${batch}.cpp)
       file(CONFIGURE OUTPUT ${unity} CONTENT "${text}" @ONLY)
       set(options ${RAYLEX_UNITY_OPTIONS})
       if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
@@ -53,6 +54,32 @@ function(raylex_unity out)
   endforeach()
   set(${out} ${result} PARENT_SCOPE)
 endfunction()
+
+# Changes `folders` and the lists sources_FOLDER of its caller: the first folder of at most a third of a batch takes in the
+# next ones of that kind, until three quarters of a batch are full.
+macro(raylex_join_small_folders)
+  set(joined "")
+  set(open "")
+  foreach(key ${folders})
+    list(LENGTH sources_${key} count)
+    math(EXPR thrice "3 * ${count}")
+    set(filled ${RAYLEX_UNITY_BATCH})
+    if(open)
+      list(LENGTH sources_${open} filled)
+    endif()
+    math(EXPR filled "4 * (${filled} + ${count})")
+    math(EXPR most "3 * ${RAYLEX_UNITY_BATCH}")
+    if(thrice GREATER RAYLEX_UNITY_BATCH)
+      list(APPEND joined ${key})
+    elseif(filled LESS_EQUAL most)
+      list(APPEND sources_${open} ${sources_${key}})
+    else()
+      list(APPEND joined ${key})
+      set(open ${key})
+    endif()
+  endforeach()
+  set(folders ${joined})
+endmacro()
 
 # raylex_compile_alone(<source>...)
 function(raylex_compile_alone)

@@ -76,7 +76,7 @@ std::string job_of_image(const display::AtlasFile& file) {
 }
 
 /// Returns a text of the first difference that makes two atlases belong to different images; empty if there is none.
-std::string difference(const display::AtlasFile& a, const display::AtlasFile& b) {
+std::string first_difference(const display::AtlasFile& a, const display::AtlasFile& b) {
     const auto size = [](const display::AtlasFile& file) {
         return std::to_string(file.width()) + " x " + std::to_string(file.height()) + " pixels";
     };
@@ -96,7 +96,7 @@ std::string difference(const display::AtlasFile& a, const display::AtlasFile& b)
 }
 
 Status check_pair(const display::AtlasFile& a, const display::AtlasFile& b) {
-    if (const std::string what = difference(a, b); !what.empty())
+    if (const std::string what = first_difference(a, b); !what.empty())
         return error_at({b.path(), 0, 0}, "cannot be merged with " + a.path() + ": the two " + what +
                                               "; expected atlases of one scene with equal settings");
     for (const Sampled& of_a : sampled(a))

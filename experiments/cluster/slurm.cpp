@@ -16,13 +16,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Answer {
+struct Response {
     int code = -1;
     std::string text;  ///< standard output, followed by standard error
 };
 
 /// Runs a program of Slurm to its end.
-Answer ask(const std::vector<std::string>& arguments) {
+Response ask(const std::vector<std::string>& arguments) {
     const auto outcome = run_program(arguments);
     if (!outcome) return {-1, outcome.error().message};
     return {outcome->exit_code, outcome->output + outcome->errors};
@@ -96,7 +96,7 @@ std::string by_hand(const std::string& directory, bool references) {
 }
 
 /// Returns the id from the output of sbatch --parsable, "123" or "123;cluster"; empty if there is none.
-std::string id_of(const Answer& answer) {
+std::string id_of(const Response& answer) {
     std::istringstream lines(answer.text);
     std::string id;
     for (std::string line; std::getline(lines, line);) {
@@ -196,7 +196,7 @@ Result<Submission> submit_to_slurm(const std::string& directory, bool references
         std::vector<std::string> command{"sbatch", "--parsable"};
         if (!after.empty()) command.push_back("--dependency=afterany:" + after);
         command.push_back(folder + "/" + file);
-        const Answer answer = ask(command);
+        const Response answer = ask(command);
         *id = id_of(answer);
         if (id->empty()) {
             for (const std::string& earlier : submission.ids()) static_cast<void>(ask({"scancel", earlier}));
@@ -215,7 +215,7 @@ Result<std::map<std::string, std::string>> slurm_queue(const std::vector<std::st
     std::string list;
     for (const std::string& each : jobs) list += (list.empty() ? "" : ",") + each;
     // One line per task of an array, including pending tasks.
-    const Answer answer = ask({"squeue", "--noheader", "--array", "--format=%i %T", "--jobs=" + list});
+    const Response answer = ask({"squeue", "--noheader", "--array", "--format=%i %T", "--jobs=" + list});
     // squeue forgets finished jobs after a while and then reports an error.
     if (answer.code != 0 && answer.text.find("Invalid job id") == std::string::npos)
         return error_at({}, "squeue failed: " + answer.text);

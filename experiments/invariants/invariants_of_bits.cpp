@@ -15,7 +15,7 @@ using transport::RenderOutput;
 using transport::RenderSettings;
 using transport::SceneDescription;
 
-std::string bytes_of(const RenderOutput& output) {
+std::string record_bytes_of(const RenderOutput& output) {
     std::string bytes;
     output.frame_buffer.append_record(bytes);
     return bytes;
@@ -24,7 +24,7 @@ std::string bytes_of(const RenderOutput& output) {
 /// Returns 0 if the records of two renders have equal bytes, else the relative difference of the images.
 Measured same_bits(const SceneUnderTest& test, const Result<RenderOutput>& other) {
     if (!other) return {true, 1, 0, "one render fails: " + other.error().message};
-    if (bytes_of(*other) == bytes_of(*test.output)) return {};
+    if (record_bytes_of(*other) == record_bytes_of(*test.output)) return {};
     return {true, std::max(difference(*test.output, *other), 1e-300), 0, "relative difference of the images"};
 }
 
@@ -132,7 +132,7 @@ Measured shards(const SceneUnderTest& test) {
     if (!a || !b) return Measured::skip("this integrator does not support shards");
     if (Status merged = a->frame_buffer.merge(b->frame_buffer); !merged)
         return {true, 1, 0, "the shards do not merge: " + merged.error().message};
-    if (bytes_of(*a) == bytes_of(*whole)) return {};
+    if (record_bytes_of(*a) == record_bytes_of(*whole)) return {};
     return {true, std::max(difference(*a, *whole), 1e-300), 0, "relative difference of the images"};
 }
 

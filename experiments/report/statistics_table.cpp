@@ -22,7 +22,7 @@ std::string text_of(const char* format, double value) {
 }
 
 /// 1234567 as "1 234 567".
-std::string counted(double value) {
+std::string grouped_digits(double value) {
     std::string digits = text_of("%.0f", value);
     for (std::ptrdiff_t at = static_cast<std::ptrdiff_t>(digits.size()) - 3; at > 0; at -= 3)
         digits.insert(static_cast<std::size_t>(at), " ");
@@ -86,15 +86,15 @@ std::string statistics_table(const std::string& record) {
     } catch (const Json::exception&) { return {}; }
     if (!json.is_object() || !json.contains("phases")) return {};
     std::string text = "<div class=\"tables\">\n" + phases(json) + "<div class=\"wide\"><table>\n";
-    text += row("Camera samples", counted(number_at(json, "/samples/camera")));
-    text += row("Samples per CPU second", counted(number_at(json, "/samples/per_cpu_second")));
-    text += row("Camera rays", counted(number_at(json, "/rays/camera")));
-    text += row("Scattering rays", counted(number_at(json, "/rays/scattering")));
-    text += row("Shadow rays", counted(number_at(json, "/rays/shadow")));
+    text += row("Camera samples", grouped_digits(number_at(json, "/samples/camera")));
+    text += row("Samples per CPU second", grouped_digits(number_at(json, "/samples/per_cpu_second")));
+    text += row("Camera rays", grouped_digits(number_at(json, "/rays/camera")));
+    text += row("Scattering rays", grouped_digits(number_at(json, "/rays/scattering")));
+    text += row("Shadow rays", grouped_digits(number_at(json, "/rays/shadow")));
     if (const double count = number_at(json, "/branches"); count > 0)
-        text += row("Rays of split paths", counted(count));
+        text += row("Rays of split paths", grouped_digits(count));
     if (const double count = number_at(json, "/rays/pilot"); count > 0)
-        text += row("Rays traced before the render, to tune sampling", counted(count));
+        text += row("Rays traced before the render, to tune sampling", grouped_digits(count));
     const std::pair<const char*, const char*> pruned[] = {
         {"Paths ended: no layer uses what could follow", "/pruned/paths"},
         {"Light samples not drawn: no layer uses them", "/pruned/light_samples"},
@@ -107,9 +107,9 @@ std::string statistics_table(const std::string& record) {
         {"Paths ended by roulette: layers receive little of them", "/pruned/weak_paths"},
         {"Materials not evaluated: layers need only the geometry of first hits", "/pruned/closures"}};
     for (const auto& [label, place] : pruned)
-        if (const double count = number_at(json, place); count > 0) text += row(label, counted(count));
-    text += row("Merged attributions", counted(number_at(json, "/attribution_overflow")));
-    text += row("Contributions that are not finite", counted(number_at(json, "/invalid_samples/count")));
+        if (const double count = number_at(json, place); count > 0) text += row(label, grouped_digits(count));
+    text += row("Merged attributions", grouped_digits(number_at(json, "/attribution_overflow")));
+    text += row("Contributions that are not finite", grouped_digits(number_at(json, "/invalid_samples/count")));
     text += row("Peak memory", text_of("%.0f MB", number_at(json, "/peak_memory_bytes") * 1e-6));
     text += "</table></div>\n" + path_lengths(json) + effects(json) + "</div>\n";
     const auto warnings = json.find("warnings");

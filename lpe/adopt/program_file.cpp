@@ -56,7 +56,7 @@ void visit_tables(Tables& tables, Visitor& visitor) {
     visitor.array(tables.column_of_class);
 }
 
-class Writer {
+class ByteWriter {
   public:
     std::string bytes;
 
@@ -277,7 +277,7 @@ Error file_error(const std::string& path, const std::string& what) {
 }  // namespace
 
 std::string to_bytes(const Program& program) {
-    Writer writer;
+    ByteWriter writer;
     writer.bytes = magic;
     writer.number(version);
     visit_tables(program.tables(), writer);

@@ -15,7 +15,7 @@ namespace raylex::lpe {
 
 namespace {
 
-bool is_blank(char c) {
+bool is_blank_of_line(char c) {
     return c == ' ' || c == '\t' || c == '\r';
 }
 
@@ -39,13 +39,13 @@ class IniReader {
     static constexpr std::string_view root = "/prman/lpe/", macro = "macro/";
 
     void skip_blank() {
-        while (is_blank(in_.peek())) { in_.move_to(in_.position() + 1); }
+        while (is_blank_of_line(in_.peek())) { in_.move_to(in_.position() + 1); }
     }
 
     void read_entry() {
         const std::size_t begin = in_.position();
         std::size_t end = begin;
-        while (end < in_.text().size() && !is_blank(in_.text()[end]) && in_.text()[end] != '\n') { ++end; }
+        while (end < in_.text().size() && !is_blank_of_line(in_.text()[end]) && in_.text()[end] != '\n') { ++end; }
         const std::string_view path = in_.text().substr(begin + root.size(), end - begin - root.size());
         in_.move_to(end);
         const MappedText value = take_value();
@@ -92,12 +92,12 @@ class IniReader {
                 continue;
             }
             quoted = quoted != (all[at] == '\'');
-            if (all[at] == '#' && !quoted && at > 0 && is_blank(all[at - 1])) {
+            if (all[at] == '#' && !quoted && at > 0 && is_blank_of_line(all[at - 1])) {
                 at = std::min(all.find('\n', at), all.size());
                 break;
             }
             whole.append(all[at], at);
-            kept = is_blank(all[at]) ? kept : whole.text().size();
+            kept = is_blank_of_line(all[at]) ? kept : whole.text().size();
         }
         in_.move_to(std::min(at + 1, all.size()));
         for (std::size_t i = 0; i < kept; ++i) { value.append(whole.text()[i], whole.position(i)); }

@@ -44,9 +44,6 @@ bool is_letter(char c) {
 bool is_digit(char c) {
     return c >= '0' && c <= '9';
 }
-bool is_blank(char c) {
-    return c == ' ' || c == '\t' || c == '\n' || c == '\r';
-}
 
 /// The end of the name that begins at `begin`, or `begin` when there is no name.
 std::size_t name_end(std::string_view text, std::size_t begin) {

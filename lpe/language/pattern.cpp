@@ -28,13 +28,6 @@ CoreSet build_wildcard_cores(Dialect dialect) {
     return dialect == Dialect::renderman ? cores & ~build_straight_cores() : cores;
 }
 
-/// The number of labels without trailing empty ones.
-std::size_t label_count(const Event& event) {
-    std::size_t count = event.labels.size();
-    while (count > 0 && event.labels[count - 1].empty()) { --count; }
-    return count;
-}
-
 void append_key(std::string& key, const EventPattern& pattern) {
     key += pattern.cores.to_string();
     key += static_cast<char>('0' + static_cast<int>(pattern.missing));
@@ -52,6 +45,12 @@ void append_key(std::string& key, const EventPattern& pattern) {
 }
 
 }  // namespace
+
+std::size_t label_count(const Event& event) {
+    std::size_t count = event.labels.size();
+    while (count > 0 && event.labels[count - 1].empty()) { --count; }
+    return count;
+}
 
 std::size_t core_index(const Event& event) {
     if (event.type == EventType::user) {

@@ -28,6 +28,9 @@ using CoreSet = std::bitset<core_count>;
 /// The event with that core, without labels.
 [[nodiscard]] Event core_event(std::size_t core);
 
+/// The number of an event's labels without trailing empty ones.
+[[nodiscard]] std::size_t label_count(const Event& event);
+
 /// The letter of an event type: C R T V L B O, and '-' for user events. scatter_letter(): x D G S s.
 [[nodiscard]] char type_letter(EventType type);
 [[nodiscard]] char scatter_letter(Scatter scatter);

@@ -10,17 +10,6 @@
 #include "transport/math/matrix34.h"
 
 namespace raylex::transport {
-namespace {
-
-Matrix4 multiply(const Matrix4& a, const Matrix4& b) {
-    Matrix4 product{};
-    for (std::size_t i = 0; i < 4; ++i)
-        for (std::size_t j = 0; j < 4; ++j)
-            for (std::size_t k = 0; k < 4; ++k) product[i][j] += a[i][k] * b[k][j];
-    return product;
-}
-
-}  // namespace
 
 Camera::Camera(const Transform& camera_to_world, const Matrix4& camera_to_screen, const Vec2& pixel_size, bool has_lens)
     : world_to_camera_(camera_to_world.inverse().matrix()),

@@ -16,14 +16,6 @@ constexpr Matrix4 identity_matrix() {
     return {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}};
 }
 
-Matrix4 multiply(const Matrix4& a, const Matrix4& b) {
-    Matrix4 product{};
-    for (std::size_t i = 0; i < 4; ++i)
-        for (std::size_t j = 0; j < 4; ++j)
-            product[i][j] = a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j] + a[i][3] * b[3][j];
-    return product;
-}
-
 Matrix4 transpose(const Matrix4& m) {
     Matrix4 t{};
     for (std::size_t i = 0; i < 4; ++i)
@@ -85,6 +77,14 @@ Vec3 narrow(double x, double y, double z) {
 }
 
 }  // namespace
+
+Matrix4 multiply(const Matrix4& a, const Matrix4& b) {
+    Matrix4 product{};
+    for (std::size_t i = 0; i < 4; ++i)
+        for (std::size_t j = 0; j < 4; ++j)
+            product[i][j] = a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j] + a[i][3] * b[3][j];
+    return product;
+}
 
 Transform::Transform() : m_(identity_matrix()), inverse_(identity_matrix()) {}
 

@@ -10,6 +10,8 @@ namespace raylex::transport {
 
 using Matrix4 = std::array<std::array<double, 4>, 4>;  ///< row-major; points are columns
 
+[[nodiscard]] Matrix4 multiply(const Matrix4& a, const Matrix4& b);
+
 class Transform {
   public:
     Transform();                                ///< identity
