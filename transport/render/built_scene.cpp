@@ -36,6 +36,32 @@ std::set<std::int32_t> open_grids(const EmbreeScene& geometry, const MediumTable
     return open;
 }
 
+/// Light can come from all of these grids, so the bounds of lit space contain them.
+void extend_lit_bounds(EmbreeScene& geometry, const MediumTable& media) {
+    for (const std::int32_t index : open_grids(geometry, media)) {
+        Bounds box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+        for (const DVec3& corner : media[index].grid->corners()) {
+            const Vec3 at = corner.to_real();
+            box.lower = {std::min(box.lower.x, at.x), std::min(box.lower.y, at.y), std::min(box.lower.z, at.z)};
+            box.upper = {std::max(box.upper.x, at.x), std::max(box.upper.y, at.y), std::max(box.upper.z, at.z)};
+        }
+        geometry.extend_lit_bounds(box);
+    }
+}
+
+Error swapped_shutter(const SceneDescription& description) {
+    const Parameter* open = description.camera.parameters.find("shutteropen");
+    const Parameter* close = description.camera.parameters.find("shutterclose");
+    return error_at((open != nullptr ? open : close)->location,
+                    "'shutteropen' is later than 'shutterclose'; the two are swapped, as in pbrt-v4");
+}
+
+void warn_of_unused(const SceneEntity& entity, const std::string& kind, std::vector<Error>& warnings) {
+    for (const Parameter* p : entity.parameters.unused())
+        warnings.push_back(
+            error_at(p->location, kind + " '" + entity.type + "' has no parameter '" + p->name + "'; it is ignored"));
+}
+
 }  // namespace
 
 Result<std::shared_ptr<const BuiltScene>> BuiltScene::build(const SceneDescription& description,
@@ -66,13 +92,7 @@ Result<std::shared_ptr<const BuiltScene>> BuiltScene::build(const SceneDescripti
     scene->warnings = scene->textures_.warnings();
     const std::vector<Error>& dropped = scene->geometry_->warnings();
     scene->warnings.insert(scene->warnings.end(), dropped.begin(), dropped.end());
-    if (shutter->swapped) {
-        const Parameter* open = description.camera.parameters.find("shutteropen");
-        const Parameter* close = description.camera.parameters.find("shutterclose");
-        scene->warnings.push_back(error_at((open != nullptr ? open : close)->location,
-                                           "'shutteropen' is later than 'shutterclose'; the two are swapped, as in "
-                                           "pbrt-v4"));
-    }
+    if (shutter->swapped) scene->warnings.push_back(swapped_shutter(description));
     if (scene->materials_.size() == 0)
         return error_at({description.file, 0, 0},
                         "the scene has no material; expected at least the default one at index 0");
@@ -84,15 +104,7 @@ Result<std::shared_ptr<const BuiltScene>> BuiltScene::build(const SceneDescripti
     for (ShapeGeometry& shape : scene->geometry_->shapes())
         if (const std::int32_t interior = interiors[static_cast<std::size_t>(shape.material)]; interior >= 0)
             shape.inside_medium = interior;
-    for (const std::int32_t index : open_grids(*scene->geometry_, scene->media_)) {
-        Bounds box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-        for (const DVec3& corner : scene->media_[index].grid->corners()) {
-            const Vec3 at = corner.to_real();
-            box.lower = {std::min(box.lower.x, at.x), std::min(box.lower.y, at.y), std::min(box.lower.z, at.z)};
-            box.upper = {std::max(box.upper.x, at.x), std::max(box.upper.y, at.y), std::max(box.upper.z, at.z)};
-        }
-        scene->geometry_->extend_lit_bounds(box);
-    }
+    extend_lit_bounds(*scene->geometry_, scene->media_);
     begin("lights");
     auto lights = LightTable::build(description, *scene->geometry_, scene->warnings);
     if (!lights) return lights.error();
@@ -110,13 +122,8 @@ Result<std::shared_ptr<const BuiltScene>> BuiltScene::build(const SceneDescripti
     scene->integrator = description.integrator;
     if (Status s = scene->place_camera(description, *shutter); !s) return s.error();
     scene->file = description.file;
-    const auto report_unused = [&](const SceneEntity& entity, const std::string& kind) {
-        for (const Parameter* p : entity.parameters.unused())
-            scene->warnings.push_back(error_at(
-                p->location, kind + " '" + entity.type + "' has no parameter '" + p->name + "'; it is ignored"));
-    };
-    for (const SceneLight& light : description.lights) report_unused(light, "light");
-    for (const SceneAreaLight& light : description.area_lights) report_unused(light, "area light");
+    for (const SceneLight& light : description.lights) warn_of_unused(light, "light", scene->warnings);
+    for (const SceneAreaLight& light : description.area_lights) warn_of_unused(light, "area light", scene->warnings);
     scene->build_seconds = watch.wall();
     scene->build_cpu_seconds = watch.process_cpu();
     return std::shared_ptr<const BuiltScene>(std::move(scene));

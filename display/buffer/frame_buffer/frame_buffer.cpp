@@ -99,6 +99,22 @@ int splat_reach(float radius) {
     return std::max(0, static_cast<int>(std::ceil(radius + 0.5f)) - 1);
 }
 
+void FrameBuffer::Storage::allocate_moments(Channel& channel, std::size_t values) {
+    channel.plain_sum.allocate(values);
+    channel.square_sum.allocate(values);
+    if (weight_square.empty()) weight_square.allocate(pixel_count());
+}
+
+void FrameBuffer::Storage::allocate_halves(Channel& channel, std::size_t values) {
+    channel.even_sum.allocate(values);
+    channel.odd_sum.allocate(values);
+    if (!even_weight.empty()) return;
+    even_weight.allocate(pixel_count());
+    odd_weight.allocate(pixel_count());
+    even_samples.allocate(pixel_count());
+    odd_samples.allocate(pixel_count());
+}
+
 FrameBuffer::FrameBuffer(const FrameBufferLayout& layout, std::span<const ChannelDefinition> channels,
                          const PixelFilter* splat, const PixelFilter* raster)
     : storage_(std::make_unique<Storage>()) {
@@ -136,21 +152,8 @@ FrameBuffer::FrameBuffer(const FrameBufferLayout& layout, std::span<const Channe
             storage.raster_channels.push_back(index);
         }
         if (!kernel) channel.seen.allocate(pixels);
-        if (kept.moments) {
-            channel.plain_sum.allocate(values);
-            channel.square_sum.allocate(values);
-            if (storage.weight_square.empty()) storage.weight_square.allocate(pixels);
-        }
-        if (kept.halves) {
-            channel.even_sum.allocate(values);
-            channel.odd_sum.allocate(values);
-            if (storage.even_weight.empty()) {
-                storage.even_weight.allocate(pixels);
-                storage.odd_weight.allocate(pixels);
-                storage.even_samples.allocate(pixels);
-                storage.odd_samples.allocate(pixels);
-            }
-        }
+        if (kept.moments) storage.allocate_moments(channel, values);
+        if (kept.halves) storage.allocate_halves(channel, values);
         const auto place = [&](const auto& plane) {
             return plane.empty() ? Storage::Accumulator::Place{}
                                  : Storage::Accumulator::Place{

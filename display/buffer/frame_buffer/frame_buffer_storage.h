@@ -185,6 +185,10 @@ struct FrameBuffer::Storage {
         visit("light_paths", &Storage::light_paths);
     }
 
+    // Planes of a channel that keeps variances, and of one that keeps even and odd halves.
+    void allocate_moments(Channel& channel, std::size_t values);
+    void allocate_halves(Channel& channel, std::size_t values);
+
     void set_kernel(const PixelFilter& filter) {
         kernel = filter;
         kernel_name = filter.name();

@@ -180,16 +180,18 @@ const Test* median_test(std::vector<const Test*>& tests) {
     return *middle;
 }
 
+/// Why a side cannot be tested, or nullptr.
+const char* missing_side(const BiasSide& method, const BiasSide& reference) {
+    if (method.replicates.size() < 2 && method.variance.empty()) return "needs two replicates";
+    return reference.replicates.empty() ? "no reference" : nullptr;
+}
+
 }  // namespace
 
 BiasTest test_bias(const BiasSide& method, const BiasSide& reference, const BiasOptions& options) {
     BiasTest verdict;
-    if (method.replicates.size() < 2 && method.variance.empty()) {
-        verdict.note = "needs two replicates";
-        return verdict;
-    }
-    if (reference.replicates.empty()) {
-        verdict.note = "no reference";
+    if (const char* missing = missing_side(method, reference); missing != nullptr) {
+        verdict.note = missing;
         return verdict;
     }
     if (reference.replicates.size() < 2 && reference.variance.empty())

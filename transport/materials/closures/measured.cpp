@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "display/services/elementary.h"
 #include "transport/color/spectrum.h"
@@ -161,15 +162,17 @@ void MeasuredReflectance::tabulate_albedo() {
     }
 }
 
-Result<std::shared_ptr<const MeasuredReflectance>> MeasuredReflectance::read(const std::string& path,
-                                                                             const ColorContext& color) {
-    auto fields = read_tensor_file(path);
-    if (!fields) return fields.error();
+namespace {
+
+/// Reads the fields of a tensor file, and notes what is wrong.
+struct FieldReader {
+    std::map<std::string, Tensor>& fields;
     std::string wrong, first_bad;
     std::size_t bad = 0;
-    // The field of this name, which must have `rank` dimensions.
-    const auto field = [&](const char* name, std::size_t rank) {
-        Tensor tensor = std::move((*fields)[name]);
+
+    /// The field of this name, which must have `rank` dimensions.
+    Tensor field(const char* name, std::size_t rank) {
+        Tensor tensor = std::move(fields[name]);
         const bool empty = std::any_of(tensor.shape.begin(), tensor.shape.end(), [](std::size_t n) { return n == 0; });
         if ((tensor.shape.size() != rank || empty) && wrong.empty())
             wrong = "field '" + std::string(name) + "' is missing or not an array of " + std::to_string(rank) +
@@ -183,11 +186,37 @@ Result<std::shared_ptr<const MeasuredReflectance>> MeasuredReflectance::read(con
             if (bad++ == 0) first_bad = "number " + std::to_string(i + 1) + " of '" + name + "'";
         }
         return tensor;
-    };
-    const Tensor theta = field("theta_i", 1), phi = field("phi_i", 1), wavelengths = field("wavelengths", 1),
-                 normals = field("ndf", 2), sigma = field("sigma", 2);
-    Tensor visible = field("vndf", 4), luminance = field("luminance", 4);
-    const Tensor spectra = field("spectra", 5);
+    }
+};
+
+/// Spectra of `area` points for each of some slices, as colours: the sums of their values, weighted by wavelength.
+std::vector<Rgb> colors_of(const Tensor& spectra, const std::vector<RgbD>& weights, std::size_t slices,
+                           std::size_t area) {
+    std::vector<Rgb> colors(slices * area);
+    for (std::size_t s = 0; s < slices; ++s)
+        for (std::size_t i = 0; i < area; ++i) {
+            RgbD sum;
+            for (std::size_t w = 0; w < weights.size(); ++w)
+                sum += weights[w] * static_cast<double>(spectra.values[(s * weights.size() + w) * area + i]);
+            colors[s * area + i] = {static_cast<Real>(std::max(sum.r, 0.0)), static_cast<Real>(std::max(sum.g, 0.0)),
+                                    static_cast<Real>(std::max(sum.b, 0.0))};
+        }
+    return colors;
+}
+
+}  // namespace
+
+Result<std::shared_ptr<const MeasuredReflectance>> MeasuredReflectance::read(const std::string& path,
+                                                                             const ColorContext& color) {
+    auto fields = read_tensor_file(path);
+    if (!fields) return fields.error();
+    FieldReader reader{*fields, {}, {}, 0};
+    std::string& wrong = reader.wrong;
+    const Tensor theta = reader.field("theta_i", 1), phi = reader.field("phi_i", 1),
+                 wavelengths = reader.field("wavelengths", 1), normals = reader.field("ndf", 2),
+                 sigma = reader.field("sigma", 2);
+    Tensor visible = reader.field("vndf", 4), luminance = reader.field("luminance", 4);
+    const Tensor spectra = reader.field("spectra", 5);
     const std::size_t slices = theta.shape[0] * phi.shape[0], waves = wavelengths.shape[0];
     const auto of_slices = [&](const Tensor& t) { return t.shape[0] == phi.shape[0] && t.shape[1] == theta.shape[0]; };
     const auto a_grid = [](const Tensor& t) {
@@ -220,21 +249,11 @@ Result<std::shared_ptr<const MeasuredReflectance>> MeasuredReflectance::read(con
     made->columns_ = spectra.shape[4];
     const std::vector<RgbD> weights =
         reflectance_weights({wavelengths.values.begin(), wavelengths.values.end()}, color);
-    const std::size_t area = made->rows_ * made->columns_;
-    made->spectra_.resize(slices * area);
-    for (std::size_t s = 0; s < slices; ++s)
-        for (std::size_t i = 0; i < area; ++i) {
-            RgbD sum;
-            for (std::size_t w = 0; w < waves; ++w)
-                sum += weights[w] * static_cast<double>(spectra.values[(s * waves + w) * area + i]);
-            made->spectra_[s * area + i] = {static_cast<Real>(std::max(sum.r, 0.0)),
-                                            static_cast<Real>(std::max(sum.g, 0.0)),
-                                            static_cast<Real>(std::max(sum.b, 0.0))};
-        }
+    made->spectra_ = colors_of(spectra, weights, slices, made->rows_ * made->columns_);
     made->tabulate_albedo();
-    if (bad > 0)
-        made->warning = std::to_string(bad) + (bad == 1 ? " value" : " values") + " not finite or beyond 1e9, first " +
-                        first_bad + "; taken as 0";
+    if (reader.bad > 0)
+        made->warning = std::to_string(reader.bad) + (reader.bad == 1 ? " value" : " values") +
+                        " not finite or beyond 1e9, first " + reader.first_bad + "; taken as 0";
     return std::shared_ptr<const MeasuredReflectance>(std::move(made));
 }
 
