@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "experiments/atlas/scene_record.h"
+#include "experiments/atlas/what_if.h"
 
 namespace raylex::experiments {
 namespace {
@@ -39,12 +40,18 @@ Result<AtlasAnswer> answer_question(display::AtlasFile& atlas, const Job& job, c
     if (!plan->channels.empty())
         if (Status fits = display::check_exr_layout(plan->channels, display::invalid_channel, {}); !fits)
             return fits.error();
-    auto layers = RequestedLayers::make(atlas, *plan, settings);
+    const auto changed = what_if(atlas, settings.mix);
+    if (!changed) return changed.error();
+    answer.notes.insert(answer.notes.end(), changed->notes.begin(), changed->notes.end());
+    auto layers = RequestedLayers::make(atlas, *plan, settings, changed->factors);
     if (!layers) return layers.error();
     answer.layers = *std::move(layers);
     answer.description = atlas.description();
     answer.description.attributes["raylex/atlas"] = atlas.path();
     answer.description.partitions = plan->partitions;
+    if (!settings.mix.lights.empty()) answer.description.attributes["raylex/mix"] = factors_text(settings.mix.lights);
+    if (!settings.mix.colors.empty())
+        answer.description.attributes["raylex/what_if"] = factors_text(settings.mix.colors);
     keep_exact_partitions(answer);
     if (Status fits =
             display::check_exr_layout(answer.layers.channels(), RequestedLayers::beauty, answer.description.partitions);

@@ -99,8 +99,9 @@ Result<lpe::Program> compile_plan(const ChannelPlan& plan, std::vector<std::int3
 /// Computes the layers from the words, row by row.
 class RequestedLayers::Builder {
   public:
-    Builder(display::AtlasFile& atlas, const ChannelPlan& plan, const AskSettings& settings, RequestedLayers& to)
-        : atlas_(atlas), plan_(plan), settings_(settings), to_(to) {}
+    Builder(display::AtlasFile& atlas, const ChannelPlan& plan, const AskSettings& settings,
+            const std::vector<std::array<double, 3>>& factors, RequestedLayers& to)
+        : atlas_(atlas), plan_(plan), settings_(settings), factors_(factors), to_(to) {}
 
     Status run() {
         for (const display::ChannelDefinition& channel : plan_.channels)
@@ -135,6 +136,12 @@ class RequestedLayers::Builder {
     };
     struct Sum {
         std::array<double, 3> sure{}, possible{};
+    };
+    /// The light of all path strings of a pixel.
+    struct Whole {
+        std::array<double, 3> rgb{};
+        Parts luminance{};
+        bool changed = false;  ///< some factor is not 1
     };
 
     /// Returns the techniques in the prefixes of the channels, which have been parsed before.
@@ -192,6 +199,7 @@ class RequestedLayers::Builder {
             }
             targets_.push_back(target);
         }
+        if (settings_.errors) beauty_error_ = add_layer("beauty_error", to_.channels_[beauty], false);
         const bool by_filter = atlas_.table().negative == display::SignedLight::weights;
         if (!to_.undecided_.empty() && atlas_.table().is_signed())
             return error_at(
@@ -257,26 +265,43 @@ class RequestedLayers::Builder {
             std::fill(sums.begin(), sums.end(), Sum());
             std::fill(luminance.begin(), luminance.end(), Parts());
             const std::size_t pixel = static_cast<std::size_t>(y) * row.rgba.size() + x;
-            add_words(row, x, answers, sums, luminance);
+            const Whole whole = add_words(row, x, answers, sums, luminance);
             put_pixel(row, x, pixel, sums, luminance);
+            put_beauty(row, x, pixel, whole);
         }
     }
-    void add_words(const display::AtlasRow& row, std::size_t x, const PathStringAnswers& answers,
-                   std::vector<Sum>& sums, std::vector<Parts>& luminance) const {
+    Whole add_words(const display::AtlasRow& row, std::size_t x, const PathStringAnswers& answers,
+                    std::vector<Sum>& sums, std::vector<Parts>& luminance) const {
+        Whole whole;
         for (std::size_t i = row.begin[x]; i < row.begin[x + 1]; ++i) {
             const display::PathStringSample& sample = row.samples[i];
-            for (const std::uint16_t channel : answers.all(sample.word)) {
-                add(sample.rgb, sums[channel].sure);
-                if (settings_.errors) add_parts(sample, luminance[channel]);
+            std::array<double, 3> rgb = sample.rgb;
+            if (!factors_.empty()) {
+                const std::array<double, 3>& factor = factors_[sample.word];
+                for (std::size_t c = 0; c < 3; ++c) rgb[c] *= factor[c];
+                whole.changed = whole.changed || factor != std::array<double, 3>{1, 1, 1};
+                add(rgb, whole.rgb);
             }
-            for (const std::uint16_t channel : answers.some(sample.word)) add(sample.rgb, sums[channel].possible);
+            if (settings_.errors) add_parts(sample, rgb, whole.luminance);
+            for (const std::uint16_t channel : answers.all(sample.word)) {
+                add(rgb, sums[channel].sure);
+                if (settings_.errors) add_parts(sample, rgb, luminance[channel]);
+            }
+            for (const std::uint16_t channel : answers.some(sample.word)) add(rgb, sums[channel].possible);
         }
+        return whole;
+    }
+    void put_beauty(const display::AtlasRow& row, std::size_t x, std::size_t pixel, const Whole& whole) {
+        const std::array<float, 4>& rgba = row.rgba[x];
+        if (whole.changed) put(beauty, pixel, whole.rgb);
+        else put(beauty, pixel, {rgba[0], rgba[1], rgba[2]});
+        to_.alpha_[pixel] = rgba[3];
+        if (beauty_error_ >= 0)
+            to_.layers_[static_cast<std::size_t>(beauty_error_)].pixels[pixel] =
+                static_cast<float>(standard_error(whole.luminance, row.counts[x]));
     }
     void put_pixel(const display::AtlasRow& row, std::size_t x, std::size_t pixel, const std::vector<Sum>& sums,
                    const std::vector<Parts>& luminance) {
-        const std::array<float, 4>& rgba = row.rgba[x];
-        put(beauty, pixel, {rgba[0], rgba[1], rgba[2]});
-        to_.alpha_[pixel] = rgba[3];
         for (std::size_t channel = 0; channel < sums.size(); ++channel) {
             const Sum& sum = sums[channel];
             put(targets_[channel].least, pixel, sum.sure);
@@ -291,8 +316,8 @@ class RequestedLayers::Builder {
     static void add(const std::array<double, 3>& rgb, std::array<double, 3>& sum) {
         for (std::size_t c = 0; c < 3; ++c) sum[c] += rgb[c];
     }
-    static void add_parts(const display::PathStringSample& sample, Parts& luminance) {
-        const double whole = (sample.rgb[0] + sample.rgb[1] + sample.rgb[2]) / 3;
+    static void add_parts(const display::PathStringSample& sample, const std::array<double, 3>& rgb, Parts& luminance) {
+        const double whole = (rgb[0] + rgb[1] + rgb[2]) / 3;
         for (std::size_t k = 0; k < luminance.size(); ++k) luminance[k] += whole * static_cast<double>(sample.parts[k]);
     }
     void put(int layer, std::size_t pixel, const std::array<double, 3>& rgb) {
@@ -303,14 +328,17 @@ class RequestedLayers::Builder {
     display::AtlasFile& atlas_;
     const ChannelPlan& plan_;
     const AskSettings& settings_;
+    const std::vector<std::array<double, 3>>& factors_;
     RequestedLayers& to_;
     std::vector<Target> targets_;  // [program channel]
+    int beauty_error_ = -1;
 };
 
 Result<RequestedLayers> RequestedLayers::make(display::AtlasFile& atlas, const ChannelPlan& plan,
-                                              const AskSettings& settings) {
+                                              const AskSettings& settings,
+                                              const std::vector<std::array<double, 3>>& factors) {
     RequestedLayers layers;
-    if (Status built = Builder(atlas, plan, settings, layers).run(); !built) return built.error();
+    if (Status built = Builder(atlas, plan, settings, factors, layers).run(); !built) return built.error();
     return layers;
 }
 

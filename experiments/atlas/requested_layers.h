@@ -12,6 +12,7 @@
 #include "display/output/atlas/atlas_file.h"
 #include "experiments/atlas/path_string_answers.h"
 #include "experiments/job/channels/channel_plan.h"
+#include "experiments/mix/mix.h"
 #include "lpe/result.h"
 
 namespace raylex::experiments {
@@ -19,6 +20,7 @@ namespace raylex::experiments {
 struct AskSettings {
     bool intervals = false;  ///< channels that are not exact become NAME_least and NAME_most
     bool errors = false;     ///< adds NAME_error, the standard error of each layer's mean (R + G + B) / 3
+    Mix mix{};               ///< factors for lights and colours
 };
 
 /// The beauty of the render and the requested layers, with the interface of a frame buffer.
@@ -26,11 +28,12 @@ class RequestedLayers final : public display::PixelImage {
   public:
     static constexpr display::ChannelId beauty = 0;
 
-    /// Computes the expression channels of the plan, in their order. Errors: channels that an atlas does not have
-    /// (geometric AOVs, prefixes, techniques); osl channels of an atlas without straight events; a channel that accepts
-    /// only a part of a word, which the error names, unless intervals are requested; a damaged file.
-    static Result<RequestedLayers> make(display::AtlasFile& atlas, const ChannelPlan& plan,
-                                        const AskSettings& settings);
+    /// Computes the expression channels of the plan, in their order. `factors` are those of WhatIf. Errors: channels
+    /// that an atlas does not have (geometric AOVs, prefixes, techniques); osl channels of an atlas without straight
+    /// events; a channel that accepts only a part of a word, which the error names, unless intervals are requested; a
+    /// damaged file.
+    static Result<RequestedLayers> make(display::AtlasFile& atlas, const ChannelPlan& plan, const AskSettings& settings,
+                                        const std::vector<std::array<double, 3>>& factors);
 
     [[nodiscard]] const display::FrameBufferLayout& layout() const override { return layout_; }
     [[nodiscard]] std::span<const display::ChannelDefinition> channels() const override { return channels_; }

@@ -4,10 +4,13 @@
 #include <string_view>
 
 #include "display/output/atomic_file.h"
+#include "display/output/comparison/comparison.h"
+#include "display/output/reader/exr_reader.h"
 #include "display/output/splits/stored_precision.h"
 #include "experiments/program/console.h"
 #include "experiments/program/exit_codes.h"
 #include "experiments/program/tint.h"
+#include "experiments/verify/rebuild_lines.h"
 
 namespace raylex::experiments {
 namespace {
@@ -69,6 +72,16 @@ fs::path residual_map_path(const display::SplitResult& result, const display::Ex
            (source.stem().string() + "." + (result.partition.empty() ? "sum" : result.partition) + ".residual.png");
 }
 
+/// Writes the unassigned light beside a residual map. Returns a line about it; empty if there is none.
+std::string write_unassigned(const fs::path& map, const display::SplitResult& result, const display::ExrImage& image) {
+    if (result.rebuild.light.empty()) return {};
+    const std::string path = fs::path(map).replace_extension().replace_extension(".unassigned.exr").string();
+    const Status written = display::write_unassigned_exr(path, result, image);
+    return written
+               ? "\n  light to add to the sum and to remove from it: " + path + " (layers unassigned, counted_twice)"
+               : "\n  no image of unassigned light: " + written.error().message;
+}
+
 std::string clamped_text(const display::SplitResult& result) {
     return counted(result.clamped, "pixel") +
            " with values clamped to the largest half or float, which are lower bounds: " +
@@ -97,11 +110,7 @@ std::string result_text(const display::SplitResult& result, const std::string& t
                 (result.allowed_for.empty() ? "the bound" : "what is allowed") +
                 (result.never_above ? "; the sum is never larger than the beauty, so light is missing from the layers"
                                     : "");
-    if (const display::NegativeValues& negative = result.negative; negative.pixels > 0)
-        text += "\n  " + std::to_string(negative.pixels) + (negative.pixels == 1 ? " pixel has" : " pixels have") +
-                " negative values, the lowest " + number_text(static_cast<double>(negative.lowest)) + " in " +
-                (negative.layer.empty() ? "beauty" : negative.layer) + " at pixel " +
-                pixel_text(negative.x, negative.y);
+    for (const std::string& line : rebuild_lines(result)) text += "\n  " + line;
     if (result.non_finite > 0)
         text += "\n  " + std::to_string(result.non_finite) +
                 (result.non_finite == 1 ? " pixel holds" : " pixels hold") + " values that are not finite, the first " +
@@ -148,7 +157,8 @@ std::string write_residual_map(const display::SplitResult& result, const display
     for (const fs::path& path : {beside, beside.filename()}) {
         Status written = display::write_residual_png(path.string(), result, image.width, image.height);
         if (written)
-            return "residual map: " + path.string() + " (blue to violet within the bound, red to yellow above it)";
+            return "residual map: " + path.string() + " (blue to violet within the bound, red to yellow above it)" +
+                   write_unassigned(path, result, image);
         reason = written.error().message;
     }
     return "no residual map: " + reason;
@@ -184,6 +194,17 @@ int report_atlas_check(display::AtlasFile& file) {
     const auto pixels = static_cast<std::uint64_t>(file.width()) * static_cast<std::uint64_t>(file.height());
     print_result(file.path() + ": " + atlas_line(*result, pixels), result->holds);
     return result->holds ? exit_holds : exit_does_not_hold;
+}
+
+int check_new_image(const std::string& path) {
+    auto file = display::ExrBands::open(path);
+    if (!file) return report_error(file.error());
+    const display::ExrImage& image = file->image();
+    if (const std::string repaired = repaired_text(image.attributes); !repaired.empty()) print_warning(repaired);
+    if (image.partitions.empty()) return exit_holds;
+    auto results = display::check_declared_splits(*file);
+    if (!results) return report_error(results.error());
+    return print_results_of_new(*results, image) ? exit_holds : exit_does_not_hold;
 }
 
 }  // namespace raylex::experiments

@@ -32,12 +32,14 @@ std::string atlas_line(const display::AtlasCheck& result, std::uint64_t pixels);
 /// Checks an atlas file, prints the result and returns the exit code.
 int report_atlas_check(display::AtlasFile& file);
 
-/// Writes STEM.PARTITION.residual.png beside the image, or into the current directory if that fails. Returns a text
-/// with the path of the map, or with the reason why there is none.
+/// Writes STEM.PARTITION.residual.png beside the image, or into the current directory if that fails, and beside it
+/// STEM.PARTITION.unassigned.exr. Returns a text with the paths, or with the reason why there is none.
 std::string write_residual_map(const display::SplitResult& result, const display::ExrImage& image);
 
 /// Prints the results for a new image, one line each, and writes a residual map for each failed check. Where a check
 /// holds, it removes the map that an earlier image of this name left. Returns whether all checks hold.
 bool print_results_of_new(std::span<const display::SplitResult> results, const display::ExrImage& image);
+/// Checks the partitions of a new file as read back from disk, prints the results and returns the exit code.
+int check_new_image(const std::string& path);
 
 }  // namespace raylex::experiments

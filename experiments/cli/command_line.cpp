@@ -92,9 +92,11 @@ int run_command_line(int argc, const char* const* argv) {
     add_verify_command(app, context);
     add_ask_command(app, context);
     add_compare_command(app, context);
+    add_denoise_command(app, context);
     add_preview_command(app, context);
     add_report_command(app, context);
     add_merge_command(app, context);
+    add_mix_command(app, context);
     add_experiment_command(app, context);
     add_submit_command(app, context);
     add_status_command(app, context);

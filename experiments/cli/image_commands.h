@@ -5,7 +5,9 @@
 
 namespace raylex::experiments {
 
+void add_denoise_command(CLI::App& app, CommandContext& context);
 void add_preview_command(CLI::App& app, CommandContext& context);
+void add_mix_command(CLI::App& app, CommandContext& context);
 void add_ocio_command(CLI::App& app, CommandContext& context);
 
 }  // namespace raylex::experiments

@@ -22,7 +22,7 @@ struct Response {
 };
 
 /// Runs a program of Slurm to its end.
-Response ask(const std::vector<std::string>& arguments) {
+Response call(const std::vector<std::string>& arguments) {
     const auto outcome = run_program(arguments);
     if (!outcome) return {-1, outcome.error().message};
     return {outcome->exit_code, outcome->output + outcome->errors};
@@ -182,7 +182,7 @@ Status write_slurm_files(const SlurmRequest& request, const CommandPlan& plan, c
 
 Result<Submission> submit_to_slurm(const std::string& directory, bool references, unsigned count) {
     const std::string folder = slurm_folder(directory);
-    if (ask({"sbatch", "--version"}).code != 0)
+    if (call({"sbatch", "--version"}).code != 0)
         return error_at({}, "sbatch was not found: Slurm's programs are not installed, or not in $PATH",
                         by_hand(directory, references));
     Submission submission;
@@ -196,10 +196,10 @@ Result<Submission> submit_to_slurm(const std::string& directory, bool references
         std::vector<std::string> command{"sbatch", "--parsable"};
         if (!after.empty()) command.push_back("--dependency=afterany:" + after);
         command.push_back(folder + "/" + file);
-        const Response answer = ask(command);
+        const Response answer = call(command);
         *id = id_of(answer);
         if (id->empty()) {
-            for (const std::string& earlier : submission.ids()) static_cast<void>(ask({"scancel", earlier}));
+            for (const std::string& earlier : submission.ids()) static_cast<void>(call({"scancel", earlier}));
             return error_at({folder + "/" + file, 0, 0},
                             "sbatch rejects this job, and nothing was submitted: " + answer.text,
                             by_hand(directory, references));
@@ -215,7 +215,7 @@ Result<std::map<std::string, std::string>> slurm_queue(const std::vector<std::st
     std::string list;
     for (const std::string& each : jobs) list += (list.empty() ? "" : ",") + each;
     // One line per task of an array, including pending tasks.
-    const Response answer = ask({"squeue", "--noheader", "--array", "--format=%i %T", "--jobs=" + list});
+    const Response answer = call({"squeue", "--noheader", "--array", "--format=%i %T", "--jobs=" + list});
     // squeue forgets finished jobs after a while and then reports an error.
     if (answer.code != 0 && answer.text.find("Invalid job id") == std::string::npos)
         return error_at({}, "squeue failed: " + answer.text);

@@ -25,11 +25,13 @@ void read_storage(TomlTable& root, OutputRequests& outputs) {
     const toml::table* table = root.take_table("exr");
     if (table == nullptr) return;
     TomlTable exr(root.source(), *table, "[exr]");
-    // "all" comes first, so that the other keys override it in any order.
-    for (const char* kind : {"all", "light", "color", "normal", "position", "value", "id"}) {
+    // "preset" and "all" come first, so that the other keys override them in any order.
+    for (const char* kind : {"preset", "all", "light", "color", "normal", "position", "value", "id"}) {
         std::string text;
         if (!exr.read(kind, text)) continue;
-        Status status = override_exr_storage(outputs.storage, kind, text, exr.content_location_of(kind));
+        const SourceLocation where = exr.content_location_of(kind);
+        Status status = kind == std::string_view("preset") ? use_exr_preset(outputs.storage, text, where)
+                                                           : override_exr_storage(outputs.storage, kind, text, where);
         if (!status) root.source().fail(status.error());
     }
     std::string parts;
@@ -56,9 +58,9 @@ Status set_exr_parts(OutputRequests& outputs, const std::string& word, const Sou
     if (word == "single" || word == "multi") return success();
     return error_at(where,
                     "'" + word +
-                        "' is neither a number of parts nor a storage format; expected single, multi, or KIND='TYPE "
-                        "COMPRESSION', such as light='half piz'",
-                    near_miss(word, {"single", "multi"}));
+                        "' is neither a number of parts nor a storage format; expected single, multi, nuke, blender, "
+                        "archive, or KIND='TYPE COMPRESSION', such as light='half piz'",
+                    near_miss(word, {"single", "multi", "nuke", "blender", "archive"}));
 }
 
 Status set_atlas_rules(const std::string& text, const SourceLocation& where, AtlasRequest& atlas) {

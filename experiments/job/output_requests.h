@@ -45,6 +45,8 @@ struct OutputRequests {
     std::vector<ObjectRequest> filters;  ///< display filters, in order of application
     DeepRequest deep;
     AtlasRequest atlas;
+    bool denoise = false;            ///< denoises the layers of the written image
+    bool keep_noisy = false;         ///< keeps the noisy layers beside the denoised ones
     std::uint64_t memory_limit = 0;  ///< bytes; 0: no limit
 };
 

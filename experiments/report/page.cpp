@@ -13,6 +13,8 @@
 #include "experiments/report/page_layers.h"
 #include "experiments/report/statistics_table.h"
 #include "experiments/report/words/page_path_strings.h"
+#include "experiments/verify/presets.h"
+#include "experiments/verify/rebuild_lines.h"
 #include "lpe/input/read_input.h"
 
 namespace raylex::experiments {
@@ -40,6 +42,23 @@ const char* answer_markup(const SplitResult& verdict) {
                                                                     : "holds\">holds";
 }
 
+/// Checks the partitions that the header declares; without any, the splits that the names of a renderer's layers imply.
+Result<std::vector<SplitResult>> results_of(const ExrImage& image) {
+    auto results = display::check_declared_splits(image);
+    if (!results || !results->empty() || attribute(image, "software").starts_with("raylex")) return results;
+    for (const Preset& preset : presets()) {
+        if (!is_named_after(preset, image)) continue;
+        const auto splits = find_splits(preset, image, {});
+        for (std::size_t i = 0; splits && i < splits->size(); ++i) {
+            auto result = check_found(image, (*splits)[i]);
+            if (!result) continue;  // a layer with such a name is no light
+            result->partition = std::string(preset.renderer) + " " + (*splits)[i].title;
+            results->push_back(*std::move(result));
+        }
+    }
+    return results;
+}
+
 class Page {
   public:
     Page(const display::ColorManager& color, const PageOptions& options, std::size_t images, std::size_t atlases)
@@ -50,9 +69,9 @@ class Page {
 
     /// `atlas`: the atlas of the image, or null. If the image comes from an atlas, `path` is that file.
     Status add(const std::string& path, const ExrImage& image, display::AtlasFile* atlas) {
-        auto verdicts = display::check_declared_splits(image);
+        auto verdicts = results_of(image);
         if (!verdicts) return verdicts.error();
-        auto pictures = layers_.html(image);
+        auto pictures = layers_.html(image, *verdicts);
         if (!pictures) return pictures.error();
         body_ += "<section class=\"image\">\n<header><h2>" +
                  escape_html(std::filesystem::path(path).filename().string()) + "</h2>";
@@ -79,7 +98,10 @@ class Page {
 
     [[nodiscard]] std::string finish() const {
         std::string verdict;
-        if (checked_ == 0) verdict = "The file declares no partition, so there is nothing to check.";
+        if (checked_ == 0)
+            verdict =
+                "The file declares no partition, and its layers have no names of a known renderer, so there is nothing "
+                "to check.";
         else if (failed_ + open_ == 0)
             verdict = "<span class=\"holds\">Every split holds:</span> in " +
                       (checked_ == 1 ? std::string("the one partition")
@@ -102,8 +124,8 @@ class Page {
                "<p class=\"faint\">Pictures through " + escape_html(shown_through()) + ". " +
                std::string(precision_note) + "</p>\n" + layers_.view_scripts() + "<script>" +
                std::string(pixels_script()) + "</script>\n<script>" + std::string(panes_script()) + "</script>\n" +
-               (atlases_ > 0 ? words_scripts() : std::string()) + "<script>" + std::string(split_script()) +
-               "</script>\n</body>\n</html>\n";
+               (atlases_ > 0 ? words_scripts() : std::string()) + "<script>" + std::string(mix_script()) +
+               "</script>\n<script>" + std::string(split_script()) + "</script>\n</body>\n</html>\n";
     }
 
   private:
@@ -121,6 +143,9 @@ class Page {
     void add_introduction(const ExrImage& image, const std::vector<SplitResult>& verdicts) {
         for (const SplitResult& v : verdicts)
             body_ += "<p>" + escape_html(v.partition) + " <span class=\"" + answer_markup(v) + "</span></p>";
+        for (const SplitResult& v : verdicts)
+            for (const std::string& line : rebuild_lines(v))
+                body_ += "<p class=\"rebuild\">" + escape_html(v.partition + ": " + line) + "</p>";
         std::string text = std::to_string(image.width) + " x " + std::to_string(image.height) + " pixels";
         const auto append = [&](const char* name, const std::string& before, const std::string& after) {
             if (const std::string value = attribute(image, name); !value.empty())

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <list>
 #include <optional>
 #include <set>
 #include <utility>
@@ -68,6 +69,39 @@ std::vector<Group> grouped(const ExrImage& image) {
     return groups;
 }
 
+/// A layer with the light of the sign of `sign` by which a rebuilt layer differs.
+ImageLayer layer_of_difference(const std::string& name, const std::vector<float>& light, float sign) {
+    ImageLayer layer;
+    layer.name = name;
+    for (std::size_t c = 0; c < 3; ++c) {
+        display::ImagePlane& plane = layer.planes.emplace_back();
+        plane.name = std::string(1, "RGB"[c]);
+        for (std::size_t i = c; i < light.size(); i += 3) plane.values.push_back(std::max(0.0F, sign * light[i]));
+    }
+    return layer;
+}
+
+/// The layers of unassigned light and of light that is counted twice, of all results.
+std::list<ImageLayer> add_differences(const ExrImage& image, const std::vector<display::SplitResult>& results,
+                                      std::vector<Group>& groups) {
+    std::list<ImageLayer> layers;
+    for (const display::SplitResult& result : results) {
+        const display::Rebuild& rebuild = result.rebuild;
+        if (rebuild.light.empty()) continue;
+        Group group{
+            "Rebuilt " + result.of, "the sum of " + result.partition + " compared with it", image.layer(result.of), {}};
+        const auto add = [&](const char* what, const display::LightDifference& difference, float sign) {
+            if (difference.pixels == 0) return;
+            layers.push_back(layer_of_difference(what + (" (" + result.partition + ")"), rebuild.light, sign));
+            group.layers.push_back(&layers.back());
+        };
+        add("unassigned", rebuild.unassigned, 1);
+        add("counted twice", rebuild.doubled, -1);
+        groups.push_back(std::move(group));
+    }
+    return layers;
+}
+
 /// The planes one after the other, with one value per block: the mean if `mean`, else the pixel in the middle. A mean
 /// would invent ids, normals and depths. picture_of() reduces in the same way.
 std::vector<float> reduced_planes(const ExrImage& image, const std::vector<const display::ImagePlane*>& planes,
@@ -124,11 +158,11 @@ struct PageLayers::Row {
     bool empty = false;
 };
 
-int PageLayers::block_of(const ExrImage& image) const {
+int PageLayers::block_of(const ExrImage& image, std::size_t more_planes) const {
     const int side = std::max(image.width, image.height);
     if (options_.largest_side > 0)
         return side > options_.largest_side ? (side + options_.largest_side - 1) / options_.largest_side : 1;
-    double planes = 0;
+    auto planes = static_cast<double>(more_planes);
     for (const ImageLayer& layer : image.layers)
         if (layer.triple()[0] != nullptr && !(is_light(layer) && is_black(layer)))
             planes += static_cast<double>(std::min<std::size_t>(layer.planes.size(), 3));
@@ -245,6 +279,25 @@ Json image_json(const ExrImage& image, int block) {
             {"layers", Json::array()}};
 }
 
+/// The layers of light groups, for mix.js: those of a partition, or those that another renderer names so; null if there
+/// are none. `rest`: whether the beauty can have light that is in none of them.
+Json mix_json(const ExrImage& image) {
+    const auto beauty = image.require_layer("");
+    if (!beauty || !(*beauty)->is_color()) return nullptr;
+    for (const display::PartitionDeclaration& partition : image.partitions)
+        if (image.layer(partition.of) == *beauty &&
+            std::all_of(partition.layers.begin(), partition.layers.end(),
+                        [](const std::string& name) { return name.starts_with("light_"); }))
+            return {{"whole", shown_name(**beauty)}, {"layers", partition.layers}, {"rest", false}};
+    std::vector<std::string> names;
+    for (const ImageLayer& layer : image.layers)
+        for (const char* prefix : {"Combined_", "RGBA_", "light_"})
+            if (layer.is_color() && std::string_view(layer.name).substr(layer.name.rfind('.') + 1).starts_with(prefix))
+                names.push_back(layer.name);
+    if (names.empty()) return nullptr;
+    return {{"whole", shown_name(**beauty)}, {"layers", names}, {"rest", true}};
+}
+
 /// A layer, and the layer of which it shows its share.
 using LayerOfWhole = std::pair<const ImageLayer*, const ImageLayer*>;
 
@@ -256,11 +309,12 @@ void link_wholes(const std::vector<LayerOfWhole>& layers, Json& rows) {
 
 }  // namespace
 
-Result<std::string> PageLayers::html(const ExrImage& image) {
-    const int block = block_of(image);
+Result<std::string> PageLayers::html(const ExrImage& image, const std::vector<display::SplitResult>& results) {
+    std::vector<Group> groups = grouped(image);
+    const std::list<ImageLayer> differences = add_differences(image, results, groups);
+    const int block = block_of(image, 3 * differences.size());
     auto views = views_of(image);
     if (!views) return views.error();
-    const std::vector<Group> groups = grouped(image);
     Json data = image_json(image, block);
     std::vector<std::string> names;
     for (const View& view : *views) {
@@ -306,6 +360,7 @@ Result<std::string> PageLayers::html(const ExrImage& image) {
         return std::string(
             "<p class=\"faint\">No layer of this file can be shown: all are black or of an unknown kind.</p>\n");
     link_wholes(wholes, data["layers"]);
+    data["mix"] = mix_json(image);
     for (Json& each : dark) data["layers"].push_back(std::move(each));
     if (list.find("class=\"where\"") == std::string::npos) list = "<span class=\"where\" hidden></span>" + list;
     if (empty > 0)

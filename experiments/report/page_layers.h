@@ -3,14 +3,18 @@
 
 #include <cstddef>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "display/output/color/color_manager.h"
 #include "display/output/reader/exr_reader.h"
+#include "display/output/splits/split_check.h"
 #include "experiments/report/page.h"
 #include "lpe/result.h"
 
 namespace raylex::experiments {
+
+std::string_view mix_script();  ///< mix.js
 
 class PageLayers {
   public:
@@ -18,8 +22,9 @@ class PageLayers {
     PageLayers(const display::ColorManager& color, const PageOptions& options, std::size_t image_bytes)
         : color_(color), options_(options), image_bytes_(image_bytes) {}
 
-    /// Viewer, rows and data of one image. If no layer can be shown, the section says so instead.
-    Result<std::string> html(const display::ExrImage& image);
+    /// Viewer, rows and data of one image. If no layer can be shown, the section says so instead. Results that do not
+    /// hold add a row for unassigned light and one for light that is counted twice.
+    Result<std::string> html(const display::ExrImage& image, const std::vector<display::SplitResult>& results = {});
 
     /// The tables of all views that the images use. A page contains them once.
     [[nodiscard]] std::string view_scripts() const;
@@ -32,7 +37,7 @@ class PageLayers {
     };
     Result<std::vector<View>> views_of(const display::ExrImage& image);
     Result<Row> row_of(const display::ExrImage& image, const display::ImageLayer& layer, int block, bool may_fold);
-    [[nodiscard]] int block_of(const display::ExrImage& image) const;
+    [[nodiscard]] int block_of(const display::ExrImage& image, std::size_t more_planes) const;
 
     const display::ColorManager& color_;
     const PageOptions& options_;

@@ -48,7 +48,7 @@ const raylexPanes = (root, { width, height, cursor, wheel = 'always' }) => {
       pane[slot] = next;
       spec.paint(level).then(canvas => {
         if (pane[slot] !== next) return;
-        Object.assign(next, { canvas, level: canvas.width === width ? 1 : level });  // some exist at full size only
+        Object.assign(next, { canvas, level: canvas.level || 1 });  // some exist at full size only, or coarser
         redraw();
       });
     }

@@ -50,7 +50,7 @@ const raylexPixels = (() => {
               for (let u = x * level; u < right; ++u, ++count) sum += planes.at(c * pixels + v * width + u);
             values[c * w * h + y * w + x] = sum / count;
           }
-      result = { width: w, height: h, values };
+      result = { width: w, height: h, level, values };
     }
     kept.delete(name);
     kept.set(name, result);
@@ -91,7 +91,7 @@ const raylexPixels = (() => {
 
   // A canvas of `image`, which `reduced` returned. color(data, q, i) sets the three bytes at q from pixel i.
   const painted = (image, color) => {
-    const canvas = document.createElement('canvas');
+    const canvas = Object.assign(document.createElement('canvas'), { level: image.level });
     canvas.width = image.width;
     canvas.height = image.height;
     const context = canvas.getContext('2d'), pixels = context.createImageData(image.width, image.height);

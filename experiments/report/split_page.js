@@ -29,11 +29,17 @@
     };
     const paintLight = async (layer, level) => {
       const [planes, tone] = await Promise.all([planesOf(layer), raylexPixels.view(image.views[+views.value || 0].data)]);
-      return raylexPixels.light(raylexPixels.reduced(layer.data, planes, width, height, level), gain(), tone);
+      const means = layer.reducedAt ? await layer.reducedAt(level) : raylexPixels.reduced(layer.data, planes, width, height, level);
+      return raylexPixels.light(means, gain(), tone);
+    };
+    // The planes of layers, or their means over level x level pixels.
+    const loaded = async (list, level) => {
+      const planes = await Promise.all(list.map(planesOf));
+      return level ? planes.map((each, i) => raylexPixels.reduced(list[i].data, each, width, height, level)) : planes;
     };
     const paneOf = index => {
       const layer = layers[index];
-      return { label: state.all ? layer.name : '', key: layer.light ? `${index} ${exposure.value} ${views.value}` : `${index}`,
+      return { label: state.all ? layer.name : '', key: layer.light ? `${index} ${exposure.value} ${views.value}${layer.version ? ' ' + layer.version : ''}` : `${index}`,
         paint: level => layer.light ? paintLight(layer, level) : paintFixed(index),
         click: state.all ? () => choose(index) : null };
     };
@@ -119,6 +125,7 @@
       a: () => { state.all = !state.all; paint(); }, e: () => lift(0.5), E: () => lift(-0.5),
       '+': () => panes.zoom(2), '-': () => panes.zoom(0.5) };
     const words = part(section, 'script.words') ? raylexWords(section, { width, height, block, addLayer }) : null;
+    if (image.mix) raylexMix(section, { mix: image.mix, layers, loaded, addLayer, repaint: () => paint() });
     paint();
     return { section, key: name => keys[name] };
   };

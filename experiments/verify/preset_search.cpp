@@ -220,4 +220,22 @@ Result<std::vector<FoundSplit>> find_splits(const Preset& preset, const display:
                               wanted + ", ...; the layers are: " + display::list_names(image.layer_names()));
 }
 
+Result<display::SplitResult> check_found(const display::ExrImage& image, const FoundSplit& split,
+                                         const std::optional<display::Allowance>& allowance) {
+    auto result = display::check_split(image, split.of, {split.sum}, allowance.value_or(split.allowance));
+    if (!result) return result;
+    result->partition = split.title;
+    for (char& c : result->partition)
+        if (c == ' ' || c == '/') c = '-';
+    return result;
+}
+
+bool is_named_after(const Preset& preset, const display::ExrImage& image) {
+    const auto splits = find_splits(preset, image, {});
+    return splits && std::any_of(splits->begin(), splits->end(), [](const FoundSplit& split) {
+               const auto terms = std::count(split.sum.begin(), split.sum.end(), ',') + 1;
+               return split.missing.size() < static_cast<std::size_t>(terms);
+           });
+}
+
 }  // namespace raylex::experiments

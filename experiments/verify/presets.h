@@ -1,6 +1,7 @@
 // Names of split layers in other renderers, so that `raylex verify --preset cycles` finds the layers.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -61,5 +62,13 @@ struct FoundSplit {
 /// with these names; no layer that they split.
 Result<std::vector<FoundSplit>> find_splits(const Preset& preset, const display::ExrImage& image,
                                             const std::string& of);
+
+/// Checks one of them, with its allowance if there is no other. The partition of the result is its title in the form of
+/// a file name.
+Result<display::SplitResult> check_found(const display::ExrImage& image, const FoundSplit& split,
+                                         const std::optional<display::Allowance>& allowance = {});
+
+/// Returns whether the image has most layers of the renderer's beauty, under the renderer's names.
+bool is_named_after(const Preset& preset, const display::ExrImage& image);
 
 }  // namespace raylex::experiments

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "lpe/algebra/proofs/check.h"
+#include "lpe/algebra/wording/event_words.h"
 #include "lpe/channels/split_bins.h"
 #include "lpe/failure.h"
 #include "lpe/language/names.h"
@@ -56,7 +57,7 @@ class Generator {
                 add(terminal, {}, {}, "", "C" + any_events(0, true, request_.dialect) + terminal.text);
                 continue;
             }
-            add(terminal, {}, {}, "visible", camera + terminal.text);
+            add(terminal, {}, {}, request_.visible, camera + terminal.text);
             for (const FirstBin& first : firsts) {
                 for (const BounceBin& bounce : bounces) {
                     const std::string straight =
@@ -157,7 +158,7 @@ class Generator {
         }
         const bool may_be_empty = !whole_.empty() || request_.words.alphabet.has_value();
         if (may_be_empty && !required(find_path_string(channel, request_.words))) {
-            ++empty_;
+            empty_.push_back(std::move(channel.name));
             return;
         }
         split_.channels.push_back(std::move(channel));
@@ -188,9 +189,11 @@ class Generator {
                  "a label that equals a letter of the dialect causes this");
         }
         split_.summary = std::move(report.summary);
-        if (empty_ > 0) {
-            split_.notes.push_back(std::to_string(empty_) + (empty_ == 1 ? " bin contains" : " bins contain") +
-                                   " no path of the expression to split; left out");
+        if (!empty_.empty()) {
+            split_.notes.push_back(
+                "no path reaches " +
+                (empty_.size() == 1 ? std::string("this bin") : std::to_string(empty_.size()) + " bins") +
+                ", left out: " + joined_by(empty_, ", "));
         }
     }
 
@@ -198,7 +201,7 @@ class Generator {
     Split split_;
     std::string whole_;
     std::set<std::string> names_;
-    std::size_t empty_ = 0;
+    std::vector<std::string> empty_;  // names of the bins that are left out
 };
 
 }  // namespace
@@ -212,6 +215,22 @@ Result<SplitAxis> parse_split_axis(std::string_view text) {
     const std::string near = nearest(text, axis_names.data(), axis_names.size());
     error.hint = near.empty() ? "" : "did you mean '" + near + "'?";
     return error;
+}
+
+SplitRequest compositing_split(std::vector<std::string> groups, Dialect dialect, PathStrings words) {
+    SplitRequest request;
+    request.by = {SplitAxis::light_group, SplitAxis::bounce, SplitAxis::lobe};
+    request.groups = std::move(groups);
+    // Without a group, all lights are in the bin `default`; an axis without names is an error.
+    request.groups.emplace_back("default");
+    const std::string specular = dialect == Dialect::osl ? "[GS]" : "S";
+    request.lobes = {"diffuse=RD", "specular=R" + specular, "transmission=T" + specular, "subsurface=TD"};
+    if (words.volume) { request.lobes.emplace_back("volume=V"); }
+    request.bounces = 2;
+    request.visible = "emission";
+    request.dialect = dialect;
+    request.words = std::move(words);
+    return request;
 }
 
 Result<Split> generate_split(const SplitRequest& request) {

@@ -40,8 +40,9 @@ struct SplitRequest {
     int bounces = 3;                   ///< bins of `bounce`, 1 to 64
     std::optional<ChannelSource> of;   ///< the expression to split; the beauty when absent
     Dialect dialect = Dialect::renderman;
-    std::string prefix;  ///< prefix of every name
-    PathStrings words;   ///< the W of the proof; bins without a word of it are left out
+    std::string prefix;               ///< prefix of every name
+    std::string visible = "visible";  ///< bin of light that no event scattered
+    PathStrings words;                ///< the W of the proof; bins without a word of it are left out
 };
 
 struct Split {
@@ -50,6 +51,11 @@ struct Split {
     std::string summary;                  ///< summary of the proof
     std::vector<std::string> notes;
 };
+
+/// Returns a request for the layers that compositors rebuild a beauty from: light group, then direct or indirect, then
+/// diffuse, specular, transmission, subsurface or volume; and `emission`, light that no event scattered. The group
+/// `default` has the lights that are in none of `groups`, which may be empty.
+[[nodiscard]] SplitRequest compositing_split(std::vector<std::string> groups, Dialect dialect, PathStrings words);
 
 /// Generates the split. Errors: an axis that is repeated or lacks its list; lobes that do not parse or are covered by
 /// earlier ones; names that become equal; a bin that the dialect cannot express (osl: lights without a label, unless

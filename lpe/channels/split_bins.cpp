@@ -140,7 +140,7 @@ std::vector<TerminalBin> terminal_bins(const SplitRequest& request) {
     }
     std::vector<std::string> groups = unique_names(request.groups, "light-group", "--groups key,fill");
     std::erase(groups, "default");  // the bin of that name contains lights with that label anyway
-    if (request.dialect == Dialect::osl && request.words.unlabelled_lights) {
+    if (!groups.empty() && request.dialect == Dialect::osl && request.words.unlabelled_lights) {
         fail("osl cannot distinguish lights without a label, so no channel can contain them alone",
              "if every light has a label, add --all-labelled; otherwise use --dialect renderman");
     }

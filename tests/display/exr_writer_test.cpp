@@ -5,6 +5,7 @@
 #include <limits>
 
 #include <ImfInputPart.h>
+#include <ImfIntAttribute.h>
 #include <ImfMultiPartInputFile.h>
 
 #include "display/buffer/frame_buffer/frame_buffer.h"
@@ -120,7 +121,7 @@ TEST_CASE("every pixel of the frame buffer is read back, rounded to float once",
     const ExrImage image = written(folder);
     CHECK(image.width == width);
     CHECK(image.height == height);
-    CHECK(image.layer_names() == std::vector<std::string>{"", "diffuse", "specular", "rest", "z", "Nn", "id", "VLen"});
+    CHECK(image.layer_names() == std::vector<std::string>{"", "diffuse", "specular", "rest", "z", "Nn", "VLen", "id"});
     const FrameBuffer buffer = filled();
     for (ChannelId id = 1; id <= 3; ++id) {
         const std::vector<double> expected = buffer.resolve(id);
@@ -181,8 +182,8 @@ TEST_CASE("each kind of channel is stored according to its row of the table", "[
         CHECK(file.header(4).compression() == Imf::NO_COMPRESSION);
         CHECK(file.header(4).channels().findChannel("Z")->type == Imf::FLOAT);
         CHECK(file.header(5).compression() == Imf::RLE_COMPRESSION);
-        REQUIRE(file.header(6).channels().findChannel("id") != nullptr);
-        CHECK(file.header(6).channels().findChannel("id")->type == Imf::UINT);
+        REQUIRE(file.header(7).channels().findChannel("id") != nullptr);
+        CHECK(file.header(7).channels().findChannel("id")->type == Imf::UINT);
     }
     const auto image = read_exr(folder.path("a.exr"));
     REQUIRE(image.ok());
@@ -198,6 +199,26 @@ TEST_CASE("each kind of channel is stored according to its row of the table", "[
     CHECK(storage_text(table[static_cast<std::size_t>(ChannelKind::light)]) == "half zips");
     CHECK(storage_text(table[static_cast<std::size_t>(ChannelKind::value)]) == "float zips");
     CHECK(storage_text(table[static_cast<std::size_t>(ChannelKind::id)]) == "uint zips");
+}
+
+TEST_CASE("presets choose the storage of light, and never halve what is not light", "[display][exr]") {
+    const auto texts = [](const std::string& name) {
+        ExrStorageTable table = default_exr_storage();
+        table[0] = {StoredType::half_float, ExrCompression::dwab};  // a preset replaces what was set before
+        REQUIRE(use_exr_preset(table, name, {}).ok());
+        std::vector<std::string> list;
+        for (const auto& each : table) list.push_back(storage_text(each));
+        return list;
+    };
+    using List = std::vector<std::string>;
+    CHECK(texts("nuke") == List{"half zips", "float zips", "float zips", "float zips", "float zips", "uint zips"});
+    CHECK(texts("blender") == List{"half zip", "half zip", "half zip", "float zip", "float zip", "uint zips"});
+    CHECK(texts("archive") == List{"float zip", "float zip", "float zip", "float zip", "float zip", "uint zips"});
+    ExrStorageTable table = default_exr_storage();
+    const auto status = use_exr_preset(table, "nukes", {"job.toml", 3, 5});
+    REQUIRE(!status.ok());
+    CHECK(status.error().line == 3);
+    CHECK(status.error().hint.find("did you mean 'nuke'") != std::string::npos);
 }
 
 TEST_CASE("storage that would make a channel useless is refused", "[display][exr][law7]") {
@@ -269,10 +290,11 @@ TEST_CASE("a split written by raylex holds in the file", "[display][exr][law1]")
     CHECK(!short_sum->holds);
 }
 
-TEST_CASE("parts that Blender cannot use come after all others", "[display][exr]") {
+TEST_CASE("parts that Blender cannot use come after all others, and integers last", "[display][exr]") {
     const std::vector<ChannelDefinition> list{expression("beauty", ""),
                                               plain("VLen", ChannelType::real, ""),
                                               plain("u", ChannelType::real, ""),
+                                              plain("k", ChannelType::integer, ""),
                                               plain("id", ChannelType::integer, ""),
                                               plain("zfar", ChannelType::real, ""),
                                               plain("Depth", ChannelType::real, ""),
@@ -284,7 +306,7 @@ TEST_CASE("parts that Blender cannot use come after all others", "[display][exr]
     Imf::MultiPartInputFile file(folder.path("a.exr").c_str());
     std::vector<std::string> names;
     for (int part = 0; part < file.parts(); ++part) names.push_back(file.header(part).name());
-    CHECK(names == std::vector<std::string>{"rgba", "u", "Depth", "shot.x", "z", "Nn", "VLen", "id", "zfar"});
+    CHECK(names == std::vector<std::string>{"rgba", "u", "Depth", "shot.x", "z", "Nn", "VLen", "zfar", "k", "id"});
 }
 
 TEST_CASE("parts, channels and attributes are where the design specifies", "[display][exr]") {
@@ -303,11 +325,13 @@ TEST_CASE("parts, channels and attributes are where the design specifies", "[dis
     REQUIRE(file.header(4).channels().findChannel("Z") != nullptr);
     CHECK(file.header(4).channels().findChannel("Z")->type == Imf::FLOAT);
     CHECK(file.header(5).channels().findChannel("Nn.Z") != nullptr);
-    CHECK(file.header(6).channels().findChannel("id")->type == Imf::UINT);
-    CHECK(file.header(7).channels().findChannel("VLen") != nullptr);
+    CHECK(file.header(6).channels().findChannel("VLen") != nullptr);
+    REQUIRE(file.header(7).channels().findChannel("id") != nullptr);
+    CHECK(file.header(7).channels().findChannel("id")->type == Imf::UINT);
+    CHECK(file.header(0).typedAttribute<Imf::IntAttribute>("nuke/full_layer_names").value() == 1);
     for (int part = 0; part < file.parts(); ++part) {
         CAPTURE(part);
-        CHECK(file.header(part).compression() == (part == 6 ? Imf::ZIPS_COMPRESSION : Imf::ZIP_COMPRESSION));
+        CHECK(file.header(part).compression() == (part == 7 ? Imf::ZIPS_COMPRESSION : Imf::ZIP_COMPRESSION));
         CHECK(text(part, "colorInteropID") == (part < 4 ? "lin_ap1_scene" : "data"));
         CHECK(Imf::chromaticities(file.header(part)).white.x == 0.32168f);
         CHECK(text(part, "raylex/seed") == "7");
@@ -362,7 +386,7 @@ TEST_CASE("integer channels keep all 32 bits", "[display][exr]") {
     std::vector<unsigned> ids(width * height);
     Imf::FrameBuffer buffer;
     buffer.insert("id", Imf::Slice(Imf::UINT, reinterpret_cast<char*>(ids.data()), 4, 4 * width));
-    Imf::InputPart part(file, 6);
+    Imf::InputPart part(file, 7);
     part.setFrameBuffer(buffer);
     part.readPixels(0, height - 1);
     CHECK(ids[0] == 0);

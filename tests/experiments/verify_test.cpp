@@ -177,6 +177,49 @@ TEST_CASE("an image of Cycles holds in any storage, and fails with a wrong pass"
     }
 }
 
+TEST_CASE("a rebuild that lacks light says which, as numbers, as an image and on the page", "[verify][report]") {
+    const Folder folder;
+    folder.write("a.exr", read_bytes(cycles_image()));
+    const std::string lobes =
+        "(DiffDir+DiffInd)*DiffCol, (GlossDir+GlossInd)*GlossCol, (TransDir+TransInd)*TransCol, Emit";
+    Outcome outcome = run_raylex(folder, "verify a.exr --tolerance 0,4e-6 --sum '" + lobes + "'");
+    CAPTURE(outcome.out, outcome.err);
+    CHECK(outcome.code == 1);
+    CHECK(count_matches(outcome.out,
+                        "unassigned light \\(ViewLayer.Combined minus sum\\): [0-9.]+ % of "
+                        "'ViewLayer.Combined' in \\d+ pixels, at most .*; it equals the layer "
+                        "'ViewLayer.Env', which the sum lacks\n") == 1);
+    CHECK(contains(outcome.out, "unassigned where 'ViewLayer.DiffCol' is 0: "));
+    CHECK(contains(outcome.out, "a.sum.unassigned.exr (layers unassigned, counted_twice)"));
+    const display::ExrImage light = read(folder.path("a.sum.unassigned.exr"));
+    const std::vector<float> lacking = plane(light, "unassigned", "G"),
+                             sky = plane(read(cycles_image()), "ViewLayer.Env", "G");
+    for (std::size_t i = 0; i < sky.size(); ++i) CHECK(lacking[i] == Approx(sky[i]).margin(1e-4));
+    outcome = run_raylex(folder, "verify a.exr --tolerance 0,4e-6 --sum '" + lobes + "+Env, DiffDir*DiffCol'");
+    CHECK(contains(outcome.out, "light counted twice (sum minus ViewLayer.Combined): "));
+    outcome = run_raylex(folder, "verify a.exr --tolerance 0,4e-6 --sum '" + lobes + "+Env+Env'");
+    CHECK(contains(outcome.out, "it equals the layer 'ViewLayer.Env', which the sum has once too often"));
+
+    // The page finds the passes by their names.
+    REQUIRE(run_raylex(folder, "report a.exr -o page.html").code == 0);
+    CHECK(contains(folder.read("page.html"), "Cycles (Blender) passes of ViewLayer <span class=\"holds\">"));
+    CHECK_FALSE(contains(folder.read("page.html"), "data-name=\"unassigned"));
+    display::ExrImage image = read(cycles_image());
+    scale(image, "ViewLayer.Env", 0.5F);
+    scale(image, "ViewLayer.Emit", 3);
+    write(folder.path("b.exr"), image);
+    REQUIRE(run_raylex(folder, "report b.exr -o page.html").code == 0);
+    const std::string page = folder.read("page.html");
+    for (const char* text :
+         {"passes of ViewLayer <span class=\"fails\">does not hold",
+          "data-name=\"unassigned (Cycles (Blender) passes of ViewLayer)\"",
+          "data-name=\"counted twice (Cycles (Blender) passes of ViewLayer)\"",
+          "light groups of ViewLayer <span class=\"holds\">", "unassigned light (ViewLayer.Combined minus sum): "}) {
+        CAPTURE(text);
+        CHECK(contains(page, text));
+    }
+}
+
 TEST_CASE("presets find view layers, files per layer, a noisy image and groups that lack light", "[verify]") {
     const Folder folder;
     display::ExrImage image = read(cycles_image());

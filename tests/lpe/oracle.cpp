@@ -23,7 +23,7 @@ std::string label(const Event& event, std::size_t slot) {
 }
 
 /// The number of labels of an event in OSL's words, without trailing empty ones.
-std::size_t label_count(const Event& event) {
+std::size_t oracle_label_count(const Event& event) {
     std::size_t count = event.labels.size();
     while (count > 0 && event.labels[count - 1].empty()) { --count; }
     return count;
@@ -56,7 +56,7 @@ std::vector<Token> build_tokens(Dialect dialect) {
     add("<.D'a'>", [](const Event& e) { return e.scatter == Scatter::diffuse && label(e, 0) == "a"; });
     add("[^D]", [](const Event& e) { return e.scatter != Scatter::diffuse; });
     add("<.D[^'a']>", [=](const Event& e) {
-        return e.scatter == Scatter::diffuse && label(e, 0) != "a" && (renderman || label_count(e) > 0);
+        return e.scatter == Scatter::diffuse && label(e, 0) != "a" && (renderman || oracle_label_count(e) > 0);
     });
     if (renderman) {
         add("<RD'a*'>", [](const Event& e) {
@@ -67,7 +67,7 @@ std::vector<Token> build_tokens(Dialect dialect) {
     } else {
         add("<Ts>", is_straight);
         add("<RD.'b'>", [](const Event& e) {
-            return e.type == EventType::reflection && e.scatter == Scatter::diffuse && label_count(e) > 1 &&
+            return e.type == EventType::reflection && e.scatter == Scatter::diffuse && oracle_label_count(e) > 1 &&
                    label(e, 1) == "b";
         });
     }

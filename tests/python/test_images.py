@@ -82,6 +82,30 @@ class Arrays(Case):
         self.assertEqual(data["direct"].attrs["lpe"], "CDL")
 
 
+
+class Denoising(Case):
+    def test_denoised_layers_sum(self):
+        image = raylex.render(CORNELL, spp=8, resolution=(24, 16), lpe={"direct": "CDL"}, denoise=True)
+        self.assertTrue(all(verdict.holds for verdict in image.verify()))
+        self.assertIn("direct_error", image.names)
+        self.assertNotIn("direct_mse", image.names)
+        image.write(self.folder / "denoised.exr")
+        written = raylex.read(self.folder / "denoised.exr")
+        self.assertSameBits(written["direct"], image["direct"])
+        self.assertSameBits(written["beauty"], image["beauty"])
+
+    def test_an_image_with_statistics_is_denoised_later(self):
+        names = ["beauty", "direct", "rest"]
+        noisy = raylex.render(CORNELL, spp=8, resolution=(24, 16), lpe={"direct": "CDL"},
+                              statistics={name: ["mse"] for name in names})
+        denoised = noisy.denoise(keep_noisy=True)
+        self.assertSameBits(denoised["direct_noisy"], noisy["direct"])
+        self.assertLess(np.square(np.diff(denoised["beauty"], axis=1)).sum(),
+                        np.square(np.diff(noisy["beauty"], axis=1)).sum())
+        plain = raylex.render(CORNELL, spp=1, resolution=(24, 16))
+        self.assertRaylexError("no layer of light has statistics", plain.denoise)
+
+
 class Judging(Case):
     def test_verdicts(self):
         image = raylex.render(CORNELL, spp=4, resolution=(16, 16), shipped=True)

@@ -56,6 +56,15 @@ Error swapped_shutter(const SceneDescription& description) {
                     "'shutteropen' is later than 'shutterclose'; the two are swapped, as in pbrt-v4");
 }
 
+void copy_settings(const SceneDescription& description, BuiltScene& scene) {
+    scene.camera = description.camera;
+    scene.film = description.film;
+    scene.filter = description.filter;
+    scene.sampler = description.sampler;
+    scene.integrator = description.integrator;
+    scene.file = description.file;
+}
+
 void warn_of_unused(const SceneEntity& entity, const std::string& kind, std::vector<Error>& warnings) {
     for (const Parameter* p : entity.parameters.unused())
         warnings.push_back(
@@ -115,13 +124,8 @@ Result<std::shared_ptr<const BuiltScene>> BuiltScene::build(const SceneDescripti
         scene->wavelengths_ = std::make_unique<const WavelengthDistribution>(description.color);
 
     scene->surface_names_ = SurfaceNames(description);
-    scene->camera = description.camera;
-    scene->film = description.film;
-    scene->filter = description.filter;
-    scene->sampler = description.sampler;
-    scene->integrator = description.integrator;
+    copy_settings(description, *scene);
     if (Status s = scene->place_camera(description, *shutter); !s) return s.error();
-    scene->file = description.file;
     for (const SceneLight& light : description.lights) warn_of_unused(light, "light", scene->warnings);
     for (const SceneAreaLight& light : description.area_lights) warn_of_unused(light, "area light", scene->warnings);
     scene->build_seconds = watch.wall();

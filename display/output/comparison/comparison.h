@@ -10,6 +10,7 @@
 #include "display/output/metrics/error_metrics.h"
 #include "display/output/metrics/image_metrics.h"
 #include "display/output/reader/exr_reader.h"
+#include "display/output/splits/split_check.h"
 #include "display/services/parameters.h"
 #include "lpe/result.h"
 
@@ -76,5 +77,9 @@ Status write_error_png(const std::string& path, const std::vector<double>& map, 
 /// Writes the map as OpenEXR: one float channel `error`, with these string attributes.
 Status write_error_exr(const std::string& path, const std::vector<double>& map, int width, int height,
                        const std::map<std::string, std::string>& attributes);
+
+/// Writes the light of Rebuild::light as two layers without negative values: sum + unassigned - counted_twice is what
+/// is split, up to what the check allows. The result must be of an image of this size.
+Status write_unassigned_exr(const std::string& path, const SplitResult& result, const ExrImage& image);
 
 }  // namespace raylex::display

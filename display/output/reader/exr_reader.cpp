@@ -127,19 +127,21 @@ FilePart read_part(Imf::MultiPartInputFile& file, int index, const RowRange& row
         result.channels.push_back(
             {each.name, stored_type(each.channel.type),
              to_display_window(std::move(each.samples), data, display, each.channel.xSampling, each.channel.ySampling),
-             plane_loss(header, each.name, each.channel.type), dwa_level(header)});
+             plane_loss(header, each.name, each.channel.type), dwa_level(header), index, each.name});
     return result;
 }
 
 /// Describes the part without its pixels.
-FilePart described_part(const Imf::Header& header) {
+FilePart described_part(const Imf::Header& header, int index) {
     FilePart part{header.hasName() ? header.name() : "", {}};
     for (auto c = header.channels().begin(); c != header.channels().end(); ++c)
         part.channels.push_back({c.name(),
                                  stored_type(c.channel().type),
                                  {},
                                  plane_loss(header, c.name(), c.channel().type),
-                                 dwa_level(header)});
+                                 dwa_level(header),
+                                 index,
+                                 c.name()});
     return part;
 }
 
@@ -286,7 +288,7 @@ Result<ExrBands> ExrBands::open(const std::string& path) {
                 of.bytes_at_once +=
                     4 * (static_cast<double>(data.width) * static_cast<double>(data.height) + width * height);
             }
-            parts.push_back(described_part(header));
+            parts.push_back(described_part(header, i));
         }
         if (of.flat.empty())
             return read_error(path, "the file contains only deep images; expected at least one flat part");

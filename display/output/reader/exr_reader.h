@@ -33,7 +33,9 @@ struct ImagePlane {
     StoredType stored = StoredType::single_float;
     std::vector<float> values;
     PlaneLoss loss = PlaneLoss::none;
-    float dwa_level = 45;  ///< compression level of DWA, 45 if the file does not contain it
+    float dwa_level = 45;   ///< compression level of DWA, 45 if the file does not contain it
+    int part = 0;           ///< index of the part in the file
+    std::string channel{};  ///< full name of the channel in the file
 };
 
 /// The channels with a common name before the last dot, or the nameless channels of a part.

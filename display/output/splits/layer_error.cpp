@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <set>
+#include <span>
 
 #include "display/output/reader/exr_layers.h"
+#include "display/output/splits/rebuild.h"
 #include "display/output/splits/split_sum.h"
 #include "display/output/splits/stored_precision.h"
 
@@ -224,23 +227,45 @@ void note_allowances(SplitResult& result, const std::vector<LayerPlanes>& all, c
     if (allowance.absolute > 0 || allowance.relative > 0) result.allowed_for.push_back(allowance.reason);
 }
 
-// Finds the pixels of a block that have a negative value.
-std::array<bool, block> find_negative(NegativeValues& all_found, int width, const std::vector<LayerPlanes>& all,
-                                      const std::vector<std::string>& names, std::size_t first, std::size_t count) {
+// Finds the pixels of a block that have a negative value, in all layers and in each.
+std::array<bool, block> find_negative(NegativeValues& all, std::map<std::string, NegativeValues>& of_layers, int width,
+                                      const std::vector<const ImageLayer*>& layers, std::size_t first,
+                                      std::size_t count) {
     std::array<bool, block> found{};
-    for (std::size_t k = 0; k < all.size(); ++k)
-        for (const ImagePlane* plane : all[k])
+    for (const ImageLayer* layer : layers) {
+        std::array<bool, block> here{};
+        NegativeValues worst;
+        for (const ImagePlane* plane : layer->triple())
             for (std::size_t i = 0; i < count; ++i) {
                 const float value = plane->values[first + i];
                 if (!(value < 0)) continue;
-                found[i] = true;
-                if (!(value < all_found.lowest)) continue;
+                here[i] = found[i] = true;
                 const auto columns = static_cast<std::size_t>(width);
-                all_found = {all_found.pixels, value, static_cast<int>((first + i) % columns),
-                             static_cast<int>((first + i) / columns), names[k]};
+                if (value < worst.lowest)
+                    worst = {0, value, static_cast<int>((first + i) % columns), static_cast<int>((first + i) / columns),
+                             name_of(*layer)};
             }
-    all_found.pixels += static_cast<std::size_t>(std::count(found.begin(), found.end(), true));
+        if (worst.lowest == 0) continue;
+        all.add(worst);
+        worst.pixels = static_cast<std::size_t>(std::count(here.begin(), here.end(), true));
+        of_layers[worst.layer].add(worst);
+    }
+    all.pixels += static_cast<std::size_t>(std::count(found.begin(), found.end(), true));
     return found;
+}
+
+SplitError error_of(const Values& found, const Values& target, std::size_t i, const SumRules& rules, bool negative,
+                    bool with_open) {
+    const double scale = found.magnitude[i] + target.magnitude[i];
+    return {std::abs(found.value[i] - target.value[i]),
+            scale,
+            found.rounding[i] + target.rounding[i] + rules.cancelled,
+            found.allowed[i] + target.allowed[i] + rules.cancelled + rules.allowance.absolute +
+                rules.allowance.relative * scale,
+            found.value[i],
+            target.value[i],
+            negative,
+            with_open ? static_cast<Open>(found.open[i] | negated(target.open[i])) : Open{0}};
 }
 
 // The first layer that is not finite at the pixel that the result reports.
@@ -274,6 +299,10 @@ Result<SplitResult> check_sum(const ExrImage& image, const ImageLayer& of, const
     const std::size_t pixels = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
     ResultTally tally(image.width, pixels, unit, rules.allowance, true);
     NegativeValues signs;
+    std::map<std::string, NegativeValues> signs_of_layers;
+    std::vector<const ImageLayer*> layers = sum.layers;
+    layers.push_back(&of);
+    RebuildTally rebuild(image, of, sum);
     std::vector<bool> clamped;
     planes.push_back(*whole);
     names.push_back(name_of(of));
@@ -284,31 +313,25 @@ Result<SplitResult> check_sum(const ExrImage& image, const ImageLayer& of, const
     std::vector<std::array<SplitError, 3>> errors(block);
     for (std::size_t first = 0; first < pixels; first += block) {
         const std::size_t count = std::min(block, pixels - first);
-        const std::array<bool, block> negative = find_negative(signs, image.width, planes, names, first, count);
+        const std::array<bool, block> negative =
+            find_negative(signs, signs_of_layers, image.width, layers, first, count);
         for (std::size_t c = 0; c < 3; ++c) {
             load(target, *(*whole)[c], precision_of(*(*whole)[c]), !rules.allowance.instead_of_compression, first,
                  count);
             if (!clamped.empty()) mark_open(target, *(*whole)[c], count);
             const Values& found = arithmetic.evaluate(c, first, count);
-            for (std::size_t i = 0; i < count; ++i) {
-                const double scale = found.magnitude[i] + target.magnitude[i];
-                errors[i][c] = {std::abs(found.value[i] - target.value[i]),
-                                scale,
-                                found.rounding[i] + target.rounding[i] + rules.cancelled,
-                                found.allowed[i] + target.allowed[i] + rules.cancelled + rules.allowance.absolute +
-                                    rules.allowance.relative * scale,
-                                found.value[i],
-                                target.value[i],
-                                negative[i],
-                                clamped.empty() ? Open{0} : static_cast<Open>(found.open[i] | negated(target.open[i]))};
-            }
+            for (std::size_t i = 0; i < count; ++i)
+                errors[i][c] = error_of(found, target, i, rules, negative[i], !clamped.empty());
         }
         for (std::size_t i = 0; i < count; ++i) tally.add(first + i, errors[i], !clamped.empty() && clamped[first + i]);
+        rebuild.add(first, std::span(errors).first(count));
     }
     SplitResult result = tally.finish();
     result.of = name_of(of);
     for (const ImageLayer* layer : sum.layers) result.layers.push_back(name_of(*layer));
     result.negative = std::move(signs);
+    result.rebuild = rebuild.finish();
+    result.rebuild.negative = std::move(signs_of_layers);
     result.bound_reason = bound_reason(planes, sum, rules);
     note_allowances(result, planes, rules.allowance);
     if (result.non_finite > 0) result.non_finite_layer = culprit(result, image, planes, names);

@@ -3,8 +3,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "display/output/metrics/error_metrics.h"
@@ -26,6 +28,28 @@ struct NegativeValues {
     float lowest = 0;  ///< over all, with its pixel and its layer
     int x = 0, y = 0;
     std::string layer;
+    /// Adds the values of other pixels or layers, whose rows begin at `first_row`.
+    void add(const NegativeValues& more, int first_row = 0);
+};
+
+/// Light by which a sum differs from what it splits, beyond what is allowed, over the components of all pixels.
+struct LightDifference {
+    double light = 0, square = 0;  ///< sums of the difference and of its square
+    double largest = 0;
+    int x = 0, y = 0;  ///< the pixel of the largest difference
+    std::size_t pixels = 0;
+    std::vector<std::pair<std::string, double>> candidates;  ///< layers, with the squared distance from the difference
+    /// The layer that equals the difference up to 1 % (root mean square); empty if none does.
+    [[nodiscard]] std::string cause() const;
+};
+
+/// The differences of a split in the words of compositors.
+struct Rebuild {
+    double whole = 0;                                ///< sum of |of| over the components of all pixels
+    LightDifference unassigned, doubled;             ///< of - sum where it is positive, and where it is negative
+    std::map<std::string, double> lost;              ///< unassigned light where a factor of a product is 0, by factor
+    std::map<std::string, NegativeValues> negative;  ///< by layer, what is split included
+    std::vector<float> light;  ///< [pixel, component] of - sum beyond what is allowed, else 0; empty if all are 0
 };
 
 /// cannot_tell: every pixel only gives a bound, and no bound decides.
@@ -63,6 +87,7 @@ struct SplitResult {
     /// Wherever the split does not hold, the sum is too small and no value is negative: the layers miss light.
     bool never_above = false;
     NegativeValues negative;
+    Rebuild rebuild;  ///< not filled by SplitSum
     /// [height * width] |sum - of| relative to the allowance, times bound + allowance.relative, at most 1/2 (for a
     /// plain sum without allowance: relative to sum of |layers| + |of|), for the worst component; infinite where a
     /// value is not finite.

@@ -197,11 +197,8 @@ void add_rows(SplitResult& result, const SplitResult& below, int first_row) {
     // A band without exceeding pixels does not determine the side.
     if (result.exceeding == 0) result.never_above = below.never_above;
     else if (below.exceeding > 0) result.never_above = result.never_above && below.never_above;
-    NegativeValues lower = below.negative;
-    lower.pixels += result.negative.pixels;
-    lower.y += first_row;
-    if (lower.lowest < result.negative.lowest) result.negative = std::move(lower);
-    else result.negative.pixels = lower.pixels;
+    result.negative.add(below.negative, first_row);
+    add_rows(result.rebuild, below.rebuild, first_row, result.pixels, below.pixels);
     result.past_rounding += below.past_rounding;
     result.non_finite += below.non_finite;
     result.exceeding += below.exceeding;

@@ -87,6 +87,8 @@ class SplitSum {
 /// Marks pixels with a value at the largest number of their type; allocates `clamped` at the first one.
 void mark_clamped(std::span<const float> values, StoredType type, std::vector<bool>& clamped);
 
+/// Adds the part of a result for lower rows.
+void add_rows(Rebuild& rebuild, const Rebuild& below, int first_row, std::size_t pixels, std::size_t pixels_below);
 /// Adds the result for lower rows, [first_row, ...), to the result for the rows above them.
 void add_rows(SplitResult& result, const SplitResult& below, int first_row);
 

@@ -5,6 +5,7 @@
 
 #include <ImfChannelList.h>
 #include <ImfFloatAttribute.h>
+#include <ImfIntAttribute.h>
 #include <ImfPartType.h>
 #include <ImfStandardAttributes.h>
 #include <ImfStringAttribute.h>
@@ -106,6 +107,8 @@ Imf::Header base_header(const std::string& name, int width, int height, const Im
     Imf::Header header(width, height);
     header.setName(name);
     header.zipCompressionLevel() = zip_level;
+    // Nuke then takes layers from the names of channels. Otherwise it takes them from parts if no channel has a dot.
+    header.insert("nuke/full_layer_names", Imf::IntAttribute(1));
     const auto xy = [](const std::array<double, 2>& p) {
         return Imath::V2f(static_cast<float>(p[0]), static_cast<float>(p[1]));
     };

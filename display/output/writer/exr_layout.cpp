@@ -100,18 +100,24 @@ Status check_partition(std::span<const ChannelDefinition> channels, ChannelId be
 }
 
 /// Blender (3.4) stops at the first part that it cannot use, and shows every later part as black. It can use planes
-/// whose last word is a single letter or one of these names, in any case.
-bool blender_reads(const PlannedPart& part) {
-    return std::any_of(part.planes.begin(), part.planes.end(), [](const std::string& plane) {
+/// whose last word is a single letter or one of these names, in any case. Unsigned parts are the last of all: fewer
+/// programs read them.
+int rank_of(const PlannedPart& part) {
+    if (part.storage.type == StoredType::unsigned_int) return 2;
+    const bool read = std::any_of(part.planes.begin(), part.planes.end(), [](const std::string& plane) {
         const std::string word = lower_case(std::string_view(plane).substr(plane.rfind('.') + 1));
         constexpr std::array names{"red", "green", "blue", "alpha", "depth"};
         return word.size() == 1 || std::find(names.begin(), names.end(), word) != names.end();
     });
+    return read ? 0 : 1;
 }
 
 std::string interop_id(const ChannelDefinition& channel, const Chromaticities& primaries) {
     const ChannelKind kind = kind_of(channel);
-    return kind == ChannelKind::light || kind == ChannelKind::color ? color_interop_id(primaries) : "data";
+    const bool color = kind == ChannelKind::light || kind == ChannelKind::color ||
+                       (channel.type == ChannelType::rgb &&
+                        (channel.statistic == Statistic::even || channel.statistic == Statistic::odd));
+    return color ? color_interop_id(primaries) : "data";
 }
 
 }  // namespace
@@ -172,12 +178,14 @@ std::vector<PlannedPart> plan_parts(std::span<const ChannelDefinition> channels,
         part.data = &data;
         part.name = data.name;
         part.planes = data.planes;
+        part.storage = description.storage[static_cast<std::size_t>(ChannelKind::value)];
         part.attributes = data.attributes;
         all.insert(data.attributes.begin(), data.attributes.end());
         part.attributes["colorInteropID"] = "data";
         parts.push_back(std::move(part));
     }
-    std::stable_partition(parts.begin(), parts.end(), blender_reads);
+    std::stable_sort(parts.begin(), parts.end(),
+                     [](const PlannedPart& a, const PlannedPart& b) { return rank_of(a) < rank_of(b); });
     for (std::size_t i = 0; i < description.partitions.size(); ++i) {
         const PartitionDeclaration& partition = description.partitions[i];
         // An invalid partition must not prevent writing the image; the header contains the reason.

@@ -32,7 +32,7 @@ inline constexpr std::size_t result_length = 224;
                                const PartitionDeclaration& partition);
 
 /// Plans the parts: first the part with the beauty, then, in the order of the channels, those that Blender can use,
-/// then the others.
+/// then the others, and integers last.
 std::vector<PlannedPart> plan_parts(std::span<const ChannelDefinition> channels, ChannelId beauty,
                                     const ImageDescription& description);
 

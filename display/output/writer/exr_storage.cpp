@@ -120,10 +120,32 @@ ExrStorageTable default_exr_storage() {
     return table;
 }
 
+const std::vector<ExrPreset>& exr_presets() {
+    // Nuke reads single lines, in several threads, if part 0 packs single lines; then all parts must do so.
+    static const std::vector<ExrPreset> presets{{"nuke", {{"all", "zips"}, {"light", "half"}}},
+                                                {"blender", {{"light", "half"}, {"color", "half"}, {"normal", "half"}}},
+                                                {"archive", {}}};
+    return presets;
+}
+
+Status use_exr_preset(ExrStorageTable& table, const std::string& name, const SourceLocation& where) {
+    std::vector<std::string> known;
+    for (const ExrPreset& preset : exr_presets()) {
+        known.emplace_back(preset.name);
+        if (name != preset.name) continue;
+        table = default_exr_storage();
+        for (const auto& [kind, text] : preset.changes)
+            if (Status set = override_exr_storage(table, kind, text, where); !set) return set;
+        return success();
+    }
+    return error_at(where, "unknown preset of storage '" + name + "'; expected nuke, blender or archive",
+                    near_miss(name, known));
+}
+
 ChannelKind kind_of(const ChannelDefinition& channel) {
     if (channel.style == ChannelStyle::expression) return ChannelKind::light;
-    // A variance is the square of a colour and not a colour: halves would lose it where it is small.
-    if (channel.statistic == Statistic::variance || channel.statistic == Statistic::mse) return ChannelKind::value;
+    // Half floats would lose small variances, and the difference of the images of even and odd samples.
+    if (channel.statistic != Statistic::none) return ChannelKind::value;
     switch (channel.type) {
         case ChannelType::integer:
             return ChannelKind::id;

@@ -4,6 +4,8 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "display/output/image_types.h"
 #include "display/services/channel.h"
@@ -18,7 +20,8 @@ namespace raylex::display {
 ///   color     other R G B, such as albedo                   float zip           yes
 ///   normal    unit vectors                                  float zip           yes
 ///   position  points and vectors: P, Pw, st, dPdu           float zip           no: a half has 11 bits
-///   value     single numbers: z, VLen, time; variances      float zip           no
+///   value     single numbers: z, VLen, time; statistics;    float zip           no
+///             cryptomattes
 ///   id        integers                                      uint zips           no: not a number to round
 ///
 /// Light is float because Law 1 applies to the bits in the file: with half layers a split holds only to 2^-10. Zip
@@ -45,6 +48,17 @@ struct ExrStorage {
 using ExrStorageTable = std::array<ExrStorage, channel_kind_count>;
 
 [[nodiscard]] ExrStorageTable default_exr_storage();
+
+/// Storage for the programs that will read the file: what a preset changes in the default table, as kind and text of
+/// override_exr_storage().
+struct ExrPreset {
+    const char* name;
+    std::vector<std::pair<const char*, const char*>> changes;
+};
+/// nuke, blender and archive.
+[[nodiscard]] const std::vector<ExrPreset>& exr_presets();
+/// Replaces the whole table by that of a preset. Errors, at `where`: an unknown name (with a similar one).
+Status use_exr_preset(ExrStorageTable& table, const std::string& name, const SourceLocation& where);
 [[nodiscard]] ChannelKind kind_of(const ChannelDefinition& channel);
 [[nodiscard]] const char* kind_name(ChannelKind kind);
 /// The text "float zip" or "half dwaa:45", as in headers and jobs.

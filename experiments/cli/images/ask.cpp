@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "display/output/atomic_file.h"
@@ -29,9 +30,12 @@ namespace {
 
 struct AskOptions {
     std::vector<std::string> files;
-    std::string output, at;
+    std::string output, at, mix;
+    std::vector<std::string> colors, lights;
     std::optional<int> top, suggest;
     bool intervals = false, errors = false, merge = false;
+
+    [[nodiscard]] bool mixes() const { return !mix.empty() || !colors.empty() || !lights.empty(); }
 };
 
 Error option_error(const std::string& option, const std::string& message, const std::string& hint = {}) {
@@ -39,12 +43,12 @@ Error option_error(const std::string& option, const std::string& message, const 
 }
 
 Status check_options(const CLI::App& command, const AskOptions& options) {
-    const bool layers = has_expressions(command), pixel = options.top || !options.at.empty();
+    const bool layers = has_expressions(command) || options.mixes(), pixel = options.top || !options.at.empty();
     const int requested = (layers ? 1 : 0) + (pixel ? 1 : 0) + (options.suggest ? 1 : 0) + (options.merge ? 1 : 0);
     if (requested == 0)
         return option_error("ask",
-                            "no question; expected --lpe, --channels, --partition or --light-groups "
-                            "with -o, or --top, --suggest, or --merge with -o");
+                            "no question; expected --lpe, --channels, --partition, --light-groups, --what-if, --light "
+                            "or --mix with -o, or --top, --suggest, or --merge with -o");
     if (requested > 1)
         return option_error("ask",
                             "layers, --top, --suggest and --merge exclude one another; "
@@ -168,12 +172,28 @@ void leave_out_no_light(Job& job) {
     job.settings.mattes.kinds.clear();
 }
 
+Result<Mix> mix_of(const AskOptions& options) {
+    Mix mix;
+    if (!options.mix.empty())
+        if (Status read = read_mix(options.mix, mix); !read) return read.error();
+    for (const auto& [texts, option, factors] :
+         {std::tuple(&options.colors, "--what-if", &mix.colors), std::tuple(&options.lights, "--light", &mix.lights)})
+        for (const std::string& text : *texts) {
+            auto factor = parse_factor(text, option);
+            if (!factor) return factor.error();
+            factors->push_back(*std::move(factor));
+        }
+    return mix;
+}
+
 int write_layers(const CLI::App& command, display::AtlasFile& atlas, const AskOptions& options,
                  const CommandContext& context) {
     Job job;
     if (Status read = read_expressions(command, job); !read) return report_error(read.error());
     leave_out_no_light(job);
-    auto answered = answer_question(atlas, job, {options.intervals, options.errors});
+    auto mix = mix_of(options);
+    if (!mix) return report_error(mix.error());
+    auto answered = answer_question(atlas, job, {options.intervals, options.errors, *std::move(mix)});
     if (!answered) return report_error(answered.error());
     for (const std::string& note : answered->notes) print_warning(note);
     if (!answered->refuted.empty()) {
@@ -220,13 +240,23 @@ void add_ask_command(CLI::App& app, CommandContext& context) {
     command->add_option("FILE.atlas.exr", options->files, "the file of raylex render --atlas; several with --merge")
         ->required()
         ->option_text("...");
-    const OptionGroup layers(*command, "Layers"), why(*command, "Why"), files(*command, "Files");
+    const OptionGroup layers(*command, "Layers"), edits(*command, "What if"), why(*command, "Why"),
+        files(*command, "Files");
     add_expression_options(layers);
     layers.add_flag("--intervals", options->intervals,
                     "if the atlas cannot compute a layer exactly, writes its bounds NAME_least and NAME_most instead; "
                     "default: an error");
-    layers.add_flag("--errors", options->errors,
-                    "adds a layer NAME_error for each layer: the standard error of (R + G + B) / 3 in each pixel");
+    layers.add_flag(
+        "--errors", options->errors,
+        "adds a layer NAME_error for each layer and the beauty: the standard error of (R + G + B) / 3 in each "
+        "pixel");
+    edits.add_repeated("--what-if", options->colors, "OBJECT.LOBE=FACTOR",
+                       "multiplies the colour of an object's lobe by 0.5, or by 0.5,0.2,0.2 for red, green and blue; "
+                       "LOBE: D diffuse, S glossy or specular, V phase, or the lobe's name");
+    edits.add_repeated("--light", options->lights, "GROUP=FACTOR",
+                       "multiplies the light of a group by such a factor, or by +1stop; default: lights without a "
+                       "group");
+    edits.add("--mix", options->mix, "FILE.toml", "factors from the tables [light] and [what_if] of a file");
     why.add("--top", options->top, "N",
             "prints the N brightest path strings of the pixel --at, with standard errors of (R + G + B) / 3; without "
             "--at: "

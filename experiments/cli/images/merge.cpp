@@ -4,8 +4,6 @@
 #include <memory>
 
 #include "display/output/atomic_file.h"
-#include "display/output/reader/exr_reader.h"
-#include "display/output/splits/split_check.h"
 #include "experiments/atlas/merged_atlas.h"
 #include "experiments/cli/checks.h"
 #include "experiments/cli/commands.h"
@@ -13,7 +11,6 @@
 #include "experiments/job/rendering/provenance.h"
 #include "experiments/program/console.h"
 #include "experiments/program/exit_codes.h"
-#include "experiments/program/tint.h"
 #include "experiments/program/work_lock.h"
 #include "experiments/shards/merge_shards.h"
 
@@ -33,18 +30,6 @@ std::vector<std::string> records_of(const ImageMergeOptions& options) {
     for (unsigned part = 1; part <= options.shards; ++part)
         records.push_back(shard_file(options.output, part, options.shards));
     return records;
-}
-
-/// Checks the merged file as read back from disk, prints the results and returns the exit code.
-int check_merged(const std::string& path) {
-    auto file = display::ExrBands::open(path);
-    if (!file) return report_error(file.error());
-    const display::ExrImage& image = file->image();
-    if (const std::string repaired = repaired_text(image.attributes); !repaired.empty()) print_warning(repaired);
-    if (image.partitions.empty()) return exit_holds;
-    auto results = display::check_declared_splits(*file);
-    if (!results) return report_error(results.error());
-    return print_results_of_new(*results, image) ? exit_holds : exit_does_not_hold;
 }
 
 /// Merges the atlases beside the records into one and returns the exit code.
@@ -92,7 +77,7 @@ int merge_records(const ImageMergeOptions& options, const std::vector<std::strin
     if (!merged) return report_error(merged.error());
     merged->image.description.attributes["raylex/merge_command"] = shell_command(arguments);
     if (Status written = write_merged_image(options.output, *merged); !written) return report_error(written.error());
-    int code = check_merged(options.output);
+    int code = check_new_image(options.output);
     if (code == exit_bad_input) return code;
     if (!options.atlas.empty()) {
         const int of_atlas = merge_atlases(options.atlas, *merged);

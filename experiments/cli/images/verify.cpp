@@ -1,5 +1,4 @@
 // raylex verify: checks that the layers of an image sum to the layer that they split.
-#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <memory>
@@ -90,11 +89,8 @@ Result<bool> verify_found(const display::ExrImage& image, const Preset& preset, 
     bool all_hold = true;
     note_incomplete(image);
     for (const FoundSplit& split : splits) {
-        auto result = display::check_split(image, split.of, {split.sum}, options.tolerance.value_or(split.allowance));
+        auto result = check_found(image, split, options.tolerance);
         if (!result) return std::move(result).error();
-        result->partition = split.title;
-        for (char& c : result->partition)
-            if (c == ' ' || c == '/') c = '-';
         const bool holds = print_split_result(*result, image, std::string(preset.renderer) + " " + split.title);
         print_line("  " + result->of + " = " + split.formula);
         if (!split.note.empty()) print_line("  " + split.note);
@@ -130,15 +126,6 @@ int verify_preset(const VerifyOptions& options) {
         if (one_image) break;
     }
     return all_hold ? exit_holds : exit_does_not_hold;
-}
-
-/// Returns whether the image has most layers of the renderer's beauty, under the renderer's names.
-bool is_named_after(const Preset& preset, const display::ExrImage& image) {
-    const auto splits = find_splits(preset, image, {});
-    return splits && std::any_of(splits->begin(), splits->end(), [](const FoundSplit& split) {
-               const auto terms = std::count(split.sum.begin(), split.sum.end(), ',') + 1;
-               return split.missing.size() < static_cast<std::size_t>(terms);
-           });
 }
 
 /// Returns the names of the first layers of light besides the beauty, as an example of a sum.

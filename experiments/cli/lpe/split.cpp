@@ -23,7 +23,7 @@ struct SplitOptions {
     ChannelOutput output;
     ReaderOption reader;
     SceneOption scene;
-    std::string of, partition = "split";
+    std::string of, partition = "split", preset;
     bool no_volume = false, all_labelled = false;
 };
 
@@ -72,6 +72,8 @@ int run_split(SplitOptions options) {
         if (!axis) return report_error(about_argument(axis.error(), "--by", ""));
         request.by.push_back(*axis);
     }
+    if (request.by.empty() && options.preset.empty())
+        return report_error("the split has no axis; expected --by AXIS,... or --preset compositing");
     request.dialect = options.dialect.value();
     auto scene = options.scene.load();
     if (!scene) return report_error(scene.error());
@@ -89,6 +91,11 @@ int run_split(SplitOptions options) {
     std::erase(request.groups, "");
     request.words.volume = !options.no_volume;
     request.words.unlabelled_lights = !options.all_labelled;
+    if (!options.preset.empty()) {
+        std::string prefix = std::move(request.prefix);
+        request = lpe::compositing_split(request.groups, request.dialect, request.words);
+        request.prefix = std::move(prefix);
+    }
     if (!options.of.empty()) {
         auto of = channel_or_expression(options.of, options.channels, request.dialect, "--of");
         if (!of) return report_error(of.error());
@@ -105,6 +112,13 @@ int run_split(SplitOptions options) {
 }
 
 void add_axes(CLI::App& split, SplitOptions& options) {
+    CLI::Option* preset =
+        split
+            .add_option("--preset", options.preset,
+                        "compositing: light group, direct or indirect, and diffuse, specular, transmission, subsurface "
+                        "or volume; light seen directly is in 'emission'")
+            ->option_text("compositing")
+            ->check(CLI::IsMember({"compositing"}));
     const auto list = [&](const char* name, std::vector<std::string>& to, const char* description, const char* text) {
         return split.add_option(name, to, description)
             ->option_text(text)
@@ -116,7 +130,7 @@ void add_axes(CLI::App& split, SplitOptions& options) {
         "--by", options.by,
         "axes of the split, in the order of the parts of a channel's name: light-group, lobe, bounce, object, terminal",
         "AXIS[,AXIS...]")
-        ->required();
+        ->excludes(preset);
     list("--groups", options.request.groups,
          "light groups, for the axis light-group; all other lights are in 'default'; default: those of --scene",
          "NAME[,NAME...]");
@@ -124,12 +138,15 @@ void add_axes(CLI::App& split, SplitOptions& options) {
          "lobes of the first scattering, for the axis lobe: events such as RD, S4, T, V or coat=S4, or lobe names such "
          "as "
          "coat; default RD,RS,TD,TS,V",
-         "LOBE[,LOBE...]");
+         "LOBE[,LOBE...]")
+        ->excludes(preset);
     list("--objects", options.request.objects,
-         "labels of the first object, for the axis object; all others are in 'other'", "NAME[,NAME...]");
+         "labels of the first object, for the axis object; all others are in 'other'", "NAME[,NAME...]")
+        ->excludes(preset);
     split.add_option("--bounces", options.request.bounces, "bins of the axis bounce, the last open-ended; default 3")
         ->option_text("N")
-        ->check(CLI::Range(1, 64));
+        ->check(CLI::Range(1, 64))
+        ->excludes(preset);
 }
 
 }  // namespace
@@ -161,7 +178,8 @@ void add_lpe_split_commands(CLI::App& lpe, CommandContext& context) {
         "group "
         "'default'.\n"
         "With --bounces 2 the bins are 'direct' and 'indirect'. The result of the proof is printed to standard error.\n"
-        "Example: raylex lpe split --by light-group,lobe --groups key,fill -o split.toml\n"
+        "Examples: raylex lpe split --by light-group,lobe --groups key,fill -o split.toml\n"
+        "          raylex lpe split --preset compositing --scene scene.pbrt -o layers.toml\n"
         "Exit codes: 0 written and proved, 2 bad usage or input, or the proof failed.");
     split->callback([options, &context] { context.exit_code = run_split(*options); });
 }

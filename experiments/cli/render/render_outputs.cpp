@@ -10,6 +10,7 @@
 #include "experiments/cli/checks.h"
 #include "experiments/cli/render/rescue.h"
 #include "experiments/program/console.h"
+#include "experiments/report/denoised_text.h"
 #include "experiments/report/png_driver.h"
 
 namespace raylex::experiments {
@@ -265,6 +266,10 @@ void RenderOutputs::update(const transport::RenderProgress& progress) {
          [&](const display::PixelRegion& region) { return image.resolve_alpha(region); }});
 }
 
+display::DenoiseOptions denoise_options(const Job& job) {
+    return {job.settings.machine.threads, job.outputs.keep_noisy, {}};
+}
+
 Status RenderOutputs::close(const transport::RenderOutput& output, const display::ImageDescription& description) {
     const display::FilteredImage image = filtered(output.image());
     Status closed = success();
@@ -277,6 +282,11 @@ Status RenderOutputs::close(const transport::RenderOutput& output, const display
         closed = rescued(closed.error(), "the image", job_->output, [&](const std::string& path) {
             return display::write_exr(path, image, output.beauty, description);
         });
+    if (closed && job_->outputs.denoise && !job_->output.empty()) {
+        const auto denoised = display::denoise_exr(job_->output, job_->output, denoise_options(*job_));
+        if (!denoised) closed = denoised.error();
+        else denoised_ = denoised_text(*denoised);
+    }
     // Of several failures, one becomes the error of the render. Each names the place of its file.
     const auto also = [&](const Status& written) {
         if (!written && closed) closed = written;
@@ -300,7 +310,7 @@ Status RenderOutputs::close(const transport::RenderOutput& output, const display
 }
 
 Result<std::optional<display::DeepCheck>> RenderOutputs::report_deep_check(const display::ExrImage& image) const {
-    if (!deep_ || !filters_.empty()) return std::optional<display::DeepCheck>();
+    if (!deep_ || !filters_.empty() || job_->outputs.denoise) return std::optional<display::DeepCheck>();
     auto result = display::check_deep(job_->outputs.deep.file, image);
     if (!result) return result.error();
     return std::optional<display::DeepCheck>(std::move(*result));

@@ -10,6 +10,7 @@
 #include "display/deep/deep_buffer.h"
 #include "display/drivers/driver_set.h"
 #include "display/filters/display_filter.h"
+#include "display/output/denoise/denoised_image.h"
 #include "display/output/writer/deep_file.h"
 #include "experiments/cli/render/atlas_output.h"
 #include "experiments/job/job.h"
@@ -48,12 +49,14 @@ class RenderOutputs {
     [[nodiscard]] display::FilteredImage filtered(const display::PixelImage& image) const { return {image, filters_}; }
 
     /// Flattens the deep file and compares it with the image just written. Returns nothing without a deep image, or if
-    /// display filters, which do not apply to deep images, changed the image.
+    /// display filters or the denoiser, which do not apply to deep images, changed the image.
     Result<std::optional<display::DeepCheck>> report_deep_check(const display::ExrImage& image) const;
 
     [[nodiscard]] AtlasOutput& atlas() { return atlas_; }
 
     [[nodiscard]] std::vector<std::string> take_warnings();
+    /// The errors of denoised layers, one line each; empty without --denoise.
+    [[nodiscard]] const std::vector<std::string>& denoised() const { return denoised_; }
     /// Names of the output files except the main image.
     [[nodiscard]] std::vector<std::string> files() const;
     [[nodiscard]] const std::vector<display::MemoryItem>& memory() const { return memory_; }
@@ -78,11 +81,14 @@ class RenderOutputs {
     std::vector<display::MemoryItem> memory_;
     std::vector<display::ChannelDefinition> channels_;
     std::vector<std::unique_ptr<display::DisplayFilter>> filters_;
-    std::vector<std::string> warnings_;
+    std::vector<std::string> warnings_, denoised_;
     display::FrameBufferLayout layout_;
     std::size_t buckets_ = 0;
     int bucket_rows_ = 0;
 };
+
+/// Returns the options of a job for its denoiser.
+display::DenoiseOptions denoise_options(const Job& job);
 
 /// Returns the result of the deep check in one line: "deep: 3 layers flatten to the image (...)".
 std::string deep_line(const display::DeepCheck& result);

@@ -219,6 +219,7 @@ class RenderRun {
         if (!words) return report_error(words.error());
         auto plan = plan_channels(job_, *words);
         if (!plan) return report_error(plan.error());
+        if (Status added = add_denoiser_inputs(*words, *plan, job_); !added) return report_error(added.error());
         for (const std::string& note : plan->notes) warn(note);
         if (!plan->refuted.empty()) {
             std::fprintf(stderr, "raylex: %s\nNothing was rendered.\n", plan->refuted.c_str());
@@ -394,6 +395,7 @@ class RenderRun {
         for (const std::string& warning : outputs_.take_warnings()) warn(warning);
         if (!written) return report_unwritten(written.error());
         remove_checkpoint();
+        for (const std::string& line : outputs_.denoised()) print_line(line);
         phases_["write"] = clock.elapsed();
         return go_on;
     }

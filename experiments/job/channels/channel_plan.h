@@ -26,4 +26,8 @@ struct ChannelPlan {
 /// channels, partitions of channels with prefixes. A partition that does not hold is not an Error; it sets `refuted`.
 Result<ChannelPlan> plan_channels(const Job& job, const ScenePathStrings& scene);
 
+/// Adds what a denoiser needs to the plan and the job: the variance of the beauty and of all layers in partitions, and
+/// albedo and normals with theirs.
+Status add_denoiser_inputs(const ScenePathStrings& scene, ChannelPlan& plan, Job& job);
+
 }  // namespace raylex::experiments

@@ -10,9 +10,11 @@ namespace {
 
 using enum RenderSetting::Use;
 
-/// KIND='TYPE COMPRESSION', single or multi
+/// KIND='TYPE COMPRESSION', a preset, single or multi
 Status set_storage(Job& job, const std::string& text, const SourceLocation& where) {
     const std::size_t equals = text.find('=');
+    for (const display::ExrPreset& preset : display::exr_presets())
+        if (text == preset.name) return use_exr_preset(job.outputs.storage, text, where);
     if (equals == std::string::npos) return set_exr_parts(job.outputs, text, where);
     return display::override_exr_storage(job.outputs.storage, text.substr(0, equals), text.substr(equals + 1), where);
 }
@@ -134,11 +136,20 @@ std::vector<RenderSetting> file_settings() {
         {"-o,--output", "output.file", "output", "OUT.exr", often,
          "image file; default: the name of the scene or job with .exr, in the current folder",
          text([](Job& job) { return &job.output; }, true)},
-        {"--exr", "exr.KIND", "", "KIND='TYPE COMPRESSION'|single", rare,
+        {"--exr", "exr.KIND", "", "KIND='TYPE COMPRESSION'|PRESET|single", rare,
          "number type and compression of a kind of channel (light, color, normal, position, value, id or all). Types: "
          "half, float. Compressions: none, rle, zips, zip, piz; light and color also allow the lossy dwaa:LEVEL and "
-         "dwab:LEVEL. 'single' writes all layers into one part instead of one part each (multi)",
+         "dwab:LEVEL. A preset replaces the storage of all kinds: nuke (half light, all zips), blender (half light, "
+         "color and normal, zip) or archive (float zip). 'single' writes all layers into one part instead of one part "
+         "each (multi)",
          each(set_storage)},
+        {"--denoise", "output.denoise", "denoise", "", often,
+         "denoises the beauty and all layers of partitions so that they still sum, adds albedo and Nn as guides, and "
+         "adds the estimated error of each layer as NAME_error",
+         on_or_off([](Job& job) { return &job.outputs.denoise; })},
+        {"--keep-noisy", "output.keep_noisy", "", "", rare,
+         "with --denoise: keeps noisy layers as NAME_noisy, and their statistics",
+         on_or_off([](Job& job) { return &job.outputs.keep_noisy; })},
         {"--tev", "output.tev", "", "HOST[:PORT]", rare,
          "shows every layer in a running tev viewer during the render; default port 14158", each(add_viewer)},
         {"--driver", "driver", "", "NAME:KEY=VALUE,...", rare,
@@ -148,7 +159,7 @@ std::vector<RenderSetting> file_settings() {
          "to standard error",
          text([](Job& job) { return &job.statistics; }, true)},
     };
-    settings[2].values.type = RenderSetting::Type::string;  // a job has one viewer
+    settings[4].values.type = RenderSetting::Type::string;  // a job has one viewer
     for (const auto& more : {deep_settings(), atlas_settings()})
         settings.insert(settings.end(), more.begin(), more.end());
     return settings;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 
 #include "experiments/python/bindings/arrays.h"
 
@@ -96,6 +97,22 @@ display::ExrImage Image::as_exr() const {
     return image;
 }
 
+std::shared_ptr<Image> denoised(const Image& image, const display::DenoiseOptions& options) {
+    display::ExrImage pixels = image.as_exr();
+    take(display::denoise_image(pixels, options));
+    auto result = std::make_shared<Image>(std::move(pixels));
+    result->warnings = image.warnings;
+    result->statistics = image.statistics;
+    result->complete = image.complete;
+    result->write = [options, from = image.path(), write = image.write](const std::string& path) -> Status {
+        if (write)
+            if (Status written = write(path); !written) return written;
+        const auto rewritten = display::denoise_exr(write ? path : from, path, options);
+        return rewritten ? success() : Status(rewritten.error());
+    };
+    return result;
+}
+
 namespace {
 
 py::array_t<float> array_of_layer(const py::object& self, const std::string& name) {
@@ -166,6 +183,18 @@ void add_image(py::module_& module) {
         .def("__len__", [](const Image& image) { return image.arrays().size(); })
         .def("__iter__", [](const Image& image) { return py::iter(py::cast(image.names())); })
         .def("write", &write_image, "path"_a, "Writes a rendered image like `raylex render`, as multi-part OpenEXR.")
+        .def(
+            "denoise",
+            [](const Image& image, bool keep_noisy, const std::optional<std::filesystem::path>& second, int threads) {
+                return unlocked([&] {
+                    return denoised(image, {threads, keep_noisy, second ? second->string() : std::string()});
+                });
+            },
+            py::kw_only(), "keep_noisy"_a = false, "second"_a = py::none(), "threads"_a = 0,
+            "Returns the image with denoised layers that still sum, like `raylex denoise`. NAME_error is the estimated "
+            "standard error of a pixel. The image needs statistics: render(denoise=True) makes them and denoises, "
+            "statistics={'beauty': ['mse'], ...} only makes them; `second` is the file of a second render of the same "
+            "image.")
         .def("__repr__", &describe);
     module.def(
         "_read_image",

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "display/output/denoise/denoised_image.h"
 #include "display/output/reader/exr_reader.h"
 #include "experiments/python/bindings/bindings.h"
 #include "lpe/result.h"
@@ -57,5 +58,8 @@ class Image {
     display::ExrImage description_;
     std::vector<LayerArray> arrays_;
 };
+
+/// Returns the image with denoised layers. Errors: those of denoise_image().
+std::shared_ptr<Image> denoised(const Image& image, const display::DenoiseOptions& options);
 
 }  // namespace raylex::python

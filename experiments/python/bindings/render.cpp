@@ -119,6 +119,7 @@ class JobRender {
         const experiments::ScenePathStrings words = take(experiments::scene_path_strings(job_, loaded_->scene));
         experiments::ChannelPlan plan = take(experiments::plan_channels(job_, words));
         if (!plan.refuted.empty()) fail(plan.refuted, "nothing was rendered");
+        take(experiments::add_denoiser_inputs(words, plan, job_));
         if (!job_.settings.channels.beauty && plan.channels.empty())
             fail("beauty=False leaves nothing to render; expected at least one of lpe= or aovs= as well");
         warnings_.insert(warnings_.end(), plan.notes.begin(), plan.notes.end());
@@ -155,6 +156,7 @@ class JobRender {
         description_ = experiments::image_description(job_, *loaded_, *output_, partitions_, attributes);
         auto image = std::make_shared<Image>(
             display::image_in_memory(outputs_.filtered(output_->frame_buffer), output_->beauty, description_));
+        if (job_.outputs.denoise) image = denoised(*image, experiments::denoise_options(job_));
         take(outputs_.close(*output_, description_));
         for (std::string& warning : outputs_.take_warnings()) warnings_.push_back(std::move(warning));
         image->warnings = warnings_;
@@ -192,7 +194,11 @@ class JobRender {
     }
 
     [[nodiscard]] Status write(const std::string& path) const {
-        return display::write_exr(path, outputs_.filtered(output_->frame_buffer), output_->beauty, description_);
+        Status written =
+            display::write_exr(path, outputs_.filtered(output_->frame_buffer), output_->beauty, description_);
+        if (!written || !job_.outputs.denoise) return written;
+        const auto denoised = display::denoise_exr(path, path, experiments::denoise_options(job_));
+        return denoised ? success() : Status(denoised.error());
     }
 
     std::vector<std::string> arguments_;

@@ -1,6 +1,9 @@
 // raylex lpe split and channels from files; macros and lobe slots in a job.
 #include <catch2/catch.hpp>
 
+#include <numeric>
+
+#include "display/output/reader/exr_reader.h"
 #include "tests/experiments/support.h"
 
 using namespace raylex;
@@ -38,6 +41,52 @@ TEST_CASE("lpe split writes every format, and lpe check reads each back as a par
     CHECK(run_raylex(folder, "lpe split --by light-group").code == 2);
     CHECK(run_raylex(folder, "lpe split --by lobe -o split.txt").code == 2);
     CHECK_FALSE(folder.has("split.txt"));
+}
+
+TEST_CASE("the preset compositing splits a scene by light group, bounce and lobe, and names what is empty", "[law1]") {
+    const SceneFolder folder;
+    std::string scene = small_scene();
+    const std::string emission = "\"rgb L\" [4 4 4]";
+    scene.replace(scene.find(emission), emission.size(), emission + " \"bool twosided\" true");  // the camera sees it
+    folder.write("room.pbrt", scene);
+    folder.write("job.toml", "[scene]\nfile = \"room.pbrt\"\n[[light_group]]\nlight = \"point\"\ngroup = \"key\"\n");
+    const Outcome split = run_raylex(folder, "lpe split --preset compositing --scene job.toml -o layers.toml");
+    CAPTURE(split.err);
+    REQUIRE(split.code == 0);
+    CHECK(contains(split.err, "6 channels are a partition of the beauty"));
+    CHECK(contains(split.err,
+                   "no path reaches 16 bins, left out: key_direct_specular, key_indirect_specular, "
+                   "key_direct_transmission, key_indirect_transmission, key_direct_subsurface, "));
+    CHECK(contains(split.err, "default_indirect_volume"));
+    REQUIRE(run_raylex(folder, "render job.toml --channels layers.toml -o a.exr").code == 0);
+    const Outcome verify = run_raylex(folder, "verify a.exr");
+    CAPTURE(verify.out);
+    CHECK(verify.code == 0);
+    CHECK(contains(verify.out, "partition 'split': 6 layers against beauty: holds to rounding"));
+    auto image = display::read_exr(folder.path("a.exr"));
+    REQUIRE(image);
+    const auto light = [&](const char* name) {
+        const std::vector<float> red = plane(*image, name, "R");
+        return std::accumulate(red.begin(), red.end(), 0.0);
+    };
+    for (const char* lit : {"key_direct_diffuse", "default_direct_diffuse", "default_emission"}) CHECK(light(lit) > 0);
+    CHECK(light("key_emission") == 0);  // a point light is not seen
+    // Without groups all lights are in default; without a scene all bins are kept, in osl too.
+    CHECK(
+        contains(run_raylex(folder, "lpe split --preset compositing --scene room.pbrt").out, "default_direct_diffuse"));
+    for (const char* rest :
+         {"", " --groups key,fill", " --dialect osl", " --dialect osl --all-labelled --groups key"}) {
+        CAPTURE(rest);
+        const Outcome all = run_raylex(folder, std::string("lpe split --preset compositing") + rest);
+        CHECK(all.code == 0);
+        CHECK(contains(all.err, "channels are a partition of the beauty"));
+        CHECK(contains(all.out, "name = \"default_indirect_subsurface\""));
+        CHECK_FALSE(contains(all.err, "left out"));
+    }
+    CHECK(run_raylex(folder, "lpe split --preset compositing --no-volume --write-as rib").code == 0);
+    CHECK(run_raylex(folder, "lpe split --preset compositing --by lobe").code == 2);
+    CHECK(run_raylex(folder, "lpe split --preset compositor").code == 2);
+    check_refused(folder, "lpe split -o x.toml", {"no axis", "--preset compositing"});
 }
 
 TEST_CASE("unknown groups and objects are named, with the known ones", "[law7]") {

@@ -102,6 +102,49 @@ TEST_CASE("a crop has the bits of the whole image in its window, with all output
     check_refused(folder, "render bad.toml -o x.exr", {"bad.toml:4", "expected [x0, y0, x1, y1]"});
 }
 
+TEST_CASE("presets store light as programs read it best, and splits hold to the rounding of half", "[law1]") {
+    const SceneFolder folder;
+    const std::string layers =
+        " --lpe direct='C<RD>L' --aov z,Nn,albedo,id --cryptomatte object --statistics beauty=mse,even";
+    folder.write("job.toml", "[scene]\nfile = \"room.pbrt\"\n[exr]\nlight = \"float\"\npreset = \"nuke\"\n");
+    REQUIRE(run_raylex(folder, "render room.pbrt -o archive.exr --exr archive" + layers).code == 0);
+    REQUIRE(run_raylex(folder, "render room.pbrt -o nuke.exr --exr nuke" + layers).code == 0);
+    REQUIRE(run_raylex(folder, "render room.pbrt -o blender.exr --exr single --exr blender" + layers).code == 0);
+    REQUIRE(run_raylex(folder, "render job.toml -o job.exr" + layers).code == 0);
+    const auto archive = read_exr(folder.path("archive.exr"));
+    REQUIRE(archive);
+    for (const std::string name : {"nuke", "blender", "job"}) {
+        CAPTURE(name);
+        const auto image = read_exr(folder.path(name + ".exr"));
+        REQUIRE(image);
+        const display::StoredType light =
+            name == "job" ? display::StoredType::single_float : display::StoredType::half_float;
+        CHECK(image->layer("direct")->planes[0].stored == light);
+        // What compositors read as data has the bits of the archive.
+        for (const char* data : {"z", "id", "CryptoObject00", "beauty_mse", "beauty_even"}) {
+            CAPTURE(data);
+            const display::ImageLayer *here = image->layer(data), *there = archive->layer(data);
+            if (here == nullptr) here = image->layer("Z");  // in a single part
+            REQUIRE((here != nullptr && there != nullptr));
+            CHECK(here->planes[0].stored != display::StoredType::half_float);
+            CHECK(here->planes[0].values == there->planes[0].values);
+        }
+        const Outcome verify = run_raylex(folder, "verify " + name + ".exr");
+        CAPTURE(verify.out);
+        CHECK(verify.code == 0);
+        CHECK(contains(verify.out, "holds to rounding"));
+        CHECK(contains(verify.out, name == "job" ? "(float, 2^-23)" : "(half, 2^-10)"));
+    }
+    // Nuke requires the compression of part 0 in all parts.
+    const Imf::MultiPartInputFile nuke(folder.path("nuke.exr").c_str());
+    for (int part = 0; part < nuke.parts(); ++part) CHECK(nuke.header(part).compression() == Imf::ZIPS_COMPRESSION);
+    CHECK(std::string(nuke.header(nuke.parts() - 1).name()) == "id");
+    check_refused(folder, "render room.pbrt -o x.exr --exr nuk", {"did you mean 'nuke'?"});
+    check_refused(folder, "render room.pbrt -o x.exr --exr nuke --exr position=half", {"position", "expected float"});
+    folder.write("bad.toml", "[scene]\nfile = \"room.pbrt\"\n[exr]\npreset = \"nuk\"\n");
+    check_refused(folder, "render bad.toml -o x.exr", {"bad.toml:4", "did you mean 'nuke'?"});
+}
+
 TEST_CASE("lossy layers are allowed, and verify accounts for the loss", "[law1]") {
     const SceneFolder folder;
     const std::string layers = " --lpe direct='C.L' --aov z --partition shipped";

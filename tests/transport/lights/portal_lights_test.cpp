@@ -29,7 +29,7 @@ TEST_CASE("without an image a portal has the radiance L with its own luminance, 
 
 TEST_CASE("a portal in front of a white sky matches Lambert's polygon formula", "[lights]") {
     const std::string portal = "\"point3 portal\" [-1 -0.5 2  -1 0.5 2  1 0.5 2  1 -0.5 2]";
-    const ImageFile white(16, 16, std::vector<Rgb>(256, Rgb(3)));
+    const ::ImageFile white(16, 16, std::vector<Rgb>(256, Rgb(3)));
     const Vec3 corner[4] = {{-1, -0.5f, 2}, {-1, 0.5f, 2}, {1, 0.5f, 2}, {1, -0.5f, 2}};
     for (const std::string& sky : {"LightSource \"infinite\" \"rgb L\" [3 3 3] " + portal,
                                    "Rotate 50 1 2 3\nLightSource \"infinite\" " + portal + white.parameter()}) {
@@ -72,7 +72,7 @@ TEST_CASE("portals draw directions by their image, with its density", "[lights]"
     std::vector<Rgb> pixels(n * n, Rgb(0.2f));
     for (int i = 0; i < n * n; i += 11) pixels[static_cast<std::size_t>(i)] = Rgb(4, 2, 1);
     for (int i = 300; i < 340; ++i) pixels[static_cast<std::size_t>(i)] = Rgb(0);
-    const ImageFile file(n, n, pixels);
+    const ::ImageFile file(n, n, pixels);
     const Lit scene =
         lit("LightSource \"infinite\" \"point3 portal\" [-1 -1 1  -1 1 1  1 1 1  1 -1 1]" + file.parameter() +
             "AreaLightSource \"diffuse\" \"rgb L\" [4 4 4]\nTranslate 0 0 -9\nShape \"sphere\"");

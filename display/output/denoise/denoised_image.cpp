@@ -1,0 +1,354 @@
+#include "display/output/denoise/denoised_image.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <set>
+
+#include "display/output/reader/exr_layers.h"
+#include "display/output/splits/split_sum.h"
+#include "display/output/writer/exr_edit.h"
+#include "display/services/parameters.h"
+
+namespace raylex::display {
+
+namespace {
+
+constexpr const char* denoised_attribute = "raylex/denoised";
+constexpr std::array statistic_suffixes{"_mse", "_even", "_odd", "_variance"};
+
+std::string name_in_text(const std::string& name) {
+    return name.empty() ? "beauty" : name;
+}
+
+/// One channel of the filter: its planes and where the variance comes from.
+class Statistics {
+  public:
+    Statistics(const ExrImage& image, const ExrImage* second) : image_(image), second_(second) {}
+
+    /// Returns whether the variance of the layer is known.
+    [[nodiscard]] bool has(const ImageLayer& layer) const {
+        if (second_ != nullptr) return second_->layer(layer.name) != nullptr;
+        return statistic(layer, "_mse") != nullptr ||
+               (statistic(layer, "_even") != nullptr && statistic(layer, "_odd") != nullptr);
+    }
+    /// The variance of plane `p` of the layer, which becomes the mean of two renders if there is a second.
+    [[nodiscard]] std::vector<float> variance(const ImageLayer& layer, std::size_t p,
+                                              std::vector<float>& values) const {
+        if (second_ != nullptr) {
+            const ImagePlane* other = second_->layer(layer.name)->plane(layer.planes[p].name);
+            std::vector<float> squares = half_difference(values, other->values);
+            for (std::size_t i = 0; i < values.size(); ++i) values[i] = 0.5f * (values[i] + other->values[i]);
+            return squares;
+        }
+        if (const ImageLayer* mse = statistic(layer, "_mse"); mse != nullptr) return plane_of(*mse, layer, p).values;
+        return half_difference(plane_of(*statistic(layer, "_even"), layer, p).values,
+                               plane_of(*statistic(layer, "_odd"), layer, p).values);
+    }
+    [[nodiscard]] const ImageLayer* statistic(const ImageLayer& layer, const char* suffix) const {
+        const ImageLayer* found = image_.layer(name_in_text(layer.name) + suffix);
+        return found != nullptr && found->planes.size() >= std::min<std::size_t>(3, layer.planes.size()) ? found
+                                                                                                         : nullptr;
+    }
+
+  private:
+    static const ImagePlane& plane_of(const ImageLayer& statistic, const ImageLayer& layer, std::size_t p) {
+        const ImagePlane* found = statistic.plane(layer.planes[p].name);
+        return found != nullptr ? *found : statistic.planes[p];
+    }
+    static std::vector<float> half_difference(const std::vector<float>& a, const std::vector<float>& b) {
+        std::vector<float> squares(a.size());
+        for (std::size_t i = 0; i < a.size(); ++i) squares[i] = 0.25f * (a[i] - b[i]) * (a[i] - b[i]);
+        return squares;
+    }
+    const ExrImage& image_;
+    const ExrImage* second_;
+};
+
+Error image_error(const ExrImage& image, const std::string& message, const std::string& hint = {}) {
+    Error error;
+    error.file = image.path;
+    error.message = message;
+    error.hint = hint;
+    return error;
+}
+
+const ImageLayer* feature_named(const ExrImage& image, std::initializer_list<const char*> names) {
+    for (const char* name : names)
+        if (auto found = resolve_layer(image, name); found && (*found)->planes.size() >= 3) return *found;
+    return nullptr;
+}
+
+bool is_statistic(const ExrImage& image, const std::string& name) {
+    return std::any_of(statistic_suffixes.begin(), statistic_suffixes.end(), [&](const char* suffix) {
+        const std::string end = suffix;
+        if (!name.ends_with(end)) return false;
+        return resolve_layer(image, name.substr(0, name.size() - end.size())).ok();
+    });
+}
+
+class ImageDenoiser {
+  public:
+    ImageDenoiser(ExrImage& image, const ExrImage* second, const DenoiseOptions& options)
+        : image_(image), second_(second), statistics_(image, second), options_(options) {}
+
+    Result<DenoisedImage> run() {
+        if (image_.attributes.contains(denoised_attribute))
+            return image_error(image_, "the image is denoised already; expected the noisy one");
+        choose_features();
+        choose_layers();
+        for (Status (ImageDenoiser::*step)() :
+             {&ImageDenoiser::check_layers, &ImageDenoiser::read_sums, &ImageDenoiser::take_planes})
+            if (Status done = (this->*step)(); !done) return std::move(done).error();
+        const std::vector<LayerError> errors = denoise(noisy_, options_.threads);
+        for (std::size_t i = 0; i < chosen_.size(); ++i) result_.layers.push_back({names_[i], errors[i]});
+        give_planes();
+        describe();
+        return std::move(result_);
+    }
+
+  private:
+    void choose_features() {
+        for (const ImageLayer* found :
+             {feature_named(image_, {"albedo", "Denoising Albedo", "DiffCol"}),
+              feature_named(image_, {"Nn", "__Nworld", "Denoising Normal", "normal", "Normal", "N"})}) {
+            if (found == nullptr) continue;
+            features_.insert(found);
+            result_.features.push_back(found->name);
+        }
+    }
+
+    /// The beauty comes first, because it guides the filter of all.
+    void choose_layers() {
+        for (std::size_t i = 0; i < image_.layers.size(); ++i) {
+            const ImageLayer& layer = image_.layers[i];
+            const bool is_light = layer.is_color() && !features_.contains(&layer) &&
+                                  !lower_case(layer.name).starts_with("crypto") && !is_statistic(image_, layer.name);
+            if (!is_light || !statistics_.has(layer)) continue;
+            chosen_.push_back(i);
+            names_.push_back(name_in_text(layer.name));
+        }
+        if (auto beauty = image_.require_layer(""); beauty) {
+            const auto index = static_cast<std::size_t>(*beauty - image_.layers.data());
+            const auto at = std::find(chosen_.begin(), chosen_.end(), index);
+            if (at == chosen_.end()) return;
+            std::rotate(names_.begin(), names_.begin() + (at - chosen_.begin()),
+                        names_.begin() + (at - chosen_.begin()) + 1);
+            std::rotate(chosen_.begin(), at, at + 1);
+        }
+    }
+
+    Status check_layers() {
+        if (second_ != nullptr && (second_->width != image_.width || second_->height != image_.height))
+            return image_error(*second_, "the second image has another size; expected the size of " + image_.path);
+        if (!chosen_.empty()) return success();
+        return image_error(image_,
+                           "no layer of light has statistics, so its noise is unknown; expected NAME_mse (the variance "
+                           "of a pixel), or NAME_even and NAME_odd (two halves of the samples), or a second image of "
+                           "other random numbers by --second",
+                           "raylex render --denoise keeps them");
+    }
+
+    Status read_sums() {
+        for (const PartitionDeclaration& partition : image_.partitions) {
+            LayerIdentity identity;
+            std::vector<std::string> needed = partition.layers;
+            needed.push_back(name_in_text(partition.of));
+            for (const std::string& name : needed) {
+                const auto found = std::find(names_.begin(), names_.end(), name);
+                if (found == names_.end())
+                    return image_error(image_,
+                                       "the layer '" + name + "' of partition '" + partition.name +
+                                           "' has no statistics, and a partition is denoised as a whole; expected '" +
+                                           name + "_mse'",
+                                       "raylex render --denoise, or --statistics " + name + "=mse, keeps it");
+                identity.layers.push_back(static_cast<std::size_t>(found - names_.begin()));
+            }
+            identity.of = identity.layers.back();
+            identity.layers.pop_back();
+            noisy_.sums.push_back(std::move(identity));
+        }
+        return success();
+    }
+
+    /// Moves the planes of the chosen layers, and copies those of features.
+    Status take_planes() {
+        noisy_.width = image_.width;
+        noisy_.height = image_.height;
+        for (const ImageLayer* layer : features_)
+            for (std::size_t p = 0; p < 3; ++p) {
+                FilterFeature feature{layer->planes[p].values, {}};
+                if (statistics_.has(*layer)) feature.variance = statistics_.variance(*layer, p, feature.values);
+                for (std::vector<float>* plane : {&feature.values, &feature.variance})
+                    for (float& value : *plane) value = std::isfinite(value) ? value : 0.0f;
+                noisy_.features.push_back(std::move(feature));
+            }
+        for (const std::size_t i : chosen_) {
+            ImageLayer& layer = image_.layers[i];
+            NoisyLayer& noisy = noisy_.layers.emplace_back();
+            for (std::size_t p = 0; p < 3; ++p) {
+                std::vector<float>& values = layer.planes[p].values;
+                noisy.variance[p] = statistics_.variance(layer, p, values);
+                const auto finite = [](float value) { return std::isfinite(value); };
+                if (!std::all_of(values.begin(), values.end(), finite) ||
+                    !std::all_of(noisy.variance[p].begin(), noisy.variance[p].end(), finite))
+                    return image_error(image_, "the layer '" + name_in_text(layer.name) +
+                                                   "' or its variance has values that are not finite; expected none");
+                if (options_.keep_noisy) noisy.values[p] = values;
+                else noisy.values[p] = std::move(values);
+            }
+        }
+        return success();
+    }
+
+    void give_planes() {
+        std::vector<ImageLayer> added;
+        for (std::size_t i = 0; i < chosen_.size(); ++i) {
+            ImageLayer& layer = image_.layers[chosen_[i]];
+            if (options_.keep_noisy) {
+                ImageLayer& noisy = added.emplace_back();
+                noisy.name = noisy.part = names_[i] + "_noisy";
+                noisy.planes.assign(layer.planes.begin(), layer.planes.begin() + 3);
+            }
+            NoisyLayer& denoised = noisy_.layers[i];
+            for (std::size_t p = 0; p < 3; ++p) {
+                layer.planes[p].values = std::move(denoised.values[p]);
+                layer.planes[p].stored = StoredType::single_float;
+                layer.planes[p].loss = PlaneLoss::none;
+            }
+            for (float& value : denoised.variance[0]) value = std::sqrt(value);
+            ImageLayer& error = added.emplace_back();
+            error.name = error.part = names_[i] + "_error";
+            error.planes.push_back({error.name, StoredType::single_float, std::move(denoised.variance[0])});
+        }
+        std::set<std::string> obsolete;
+        for (const std::string& name : names_)
+            for (const char* suffix : statistic_suffixes) obsolete.insert(name + suffix);
+        for (const std::string& name : result_.features)
+            for (const char* suffix : statistic_suffixes) obsolete.insert(name + suffix);
+        if (!options_.keep_noisy)
+            std::erase_if(image_.layers, [&](ImageLayer& layer) {
+                if (!obsolete.contains(layer.name)) return false;
+                for (ImagePlane& plane : layer.planes) plane.values = {};
+                result_.removed.push_back(layer);
+                return true;
+            });
+        for (ImageLayer& layer : added) {
+            result_.added.push_back(layer.name);
+            image_.layers.push_back(std::move(layer));
+        }
+    }
+
+    void describe() {
+        std::string text = "raylex denoise: non-local means and first-order regression, radius 7; layers";
+        for (const std::string& name : names_) text += " " + name;
+        text += "; features";
+        for (const std::string& name : result_.features) text += " " + name;
+        if (result_.features.empty()) text += " none";
+        result_.attributes[denoised_attribute] = text;
+        for (const DenoisedLayer& layer : result_.layers) {
+            std::array<char, 160> line{};
+            std::snprintf(
+                line.data(), line.size(),
+                "mean squared error %.6g, before %.6g, estimated; 95 %% within %.3g; light after / before %.6g",
+                layer.error.after, layer.error.before, layer.error.half_width,
+                layer.error.light != 0 ? layer.error.light_after / layer.error.light : 1.0);
+            result_.attributes["error/" + layer.name] = line.data();
+        }
+        for (const auto& [name, text_of_layer] : result_.attributes) image_.attributes[name] = text_of_layer;
+    }
+
+    ExrImage& image_;
+    const ExrImage* second_;
+    Statistics statistics_;
+    const DenoiseOptions& options_;
+    std::set<const ImageLayer*> features_;
+    std::vector<std::size_t> chosen_;  // layers of the image
+    std::vector<std::string> names_;
+    NoisyImage noisy_;
+    DenoisedImage result_;
+};
+
+/// The results of the checks that readers find in the header.
+Status add_results(const ExrImage& image, DenoisedImage& denoised) {
+    auto results = check_declared_splits(image);
+    if (!results) return results.error();
+    for (const SplitResult& result : *results)
+        denoised.attributes["verdict/" + result.partition] = result_attribute(result, result.layers.size());
+    return success();
+}
+
+/// A layer as a part of its own, whose values the image keeps.
+DataPart part_of(const ImageLayer& layer, int width) {
+    DataPart part;
+    part.name = layer.name;
+    for (const ImagePlane& plane : layer.planes)
+        part.planes.push_back(layer.planes.size() == 1 ? layer.name : layer.name + "." + plane.name);
+    part.values = [&layer, width](const PixelRegion& rows) {
+        std::vector<float> all;
+        for (const ImagePlane& plane : layer.planes)
+            all.insert(all.end(), plane.values.begin() + std::ptrdiff_t{width} * rows.y0,
+                       plane.values.begin() + std::ptrdiff_t{width} * rows.y1);
+        return all;
+    };
+    return part;
+}
+
+/// The edit that gives a file the layers of a denoised image.
+ExrEdit edit_of(const ExrImage& image, const DenoisedImage& denoised) {
+    ExrEdit edit;
+    std::vector<const ImagePlane*> sources;
+    for (const DenoisedLayer& each : denoised.layers) {
+        for (const ImagePlane& plane : std::span(image.layer(each.name)->planes).first(3)) {
+            const ExrChannel place{plane.part, plane.channel};
+            if (!edit.changed.insert(place).second) continue;
+            edit.planes.push_back(place);
+            sources.push_back(&plane);
+        }
+    }
+    edit.changed_to_float = true;
+    edit.change = [sources, width = image.width, height = image.height](const PixelRegion& band,
+                                                                        std::span<std::vector<float>> planes) {
+        const int x0 = std::max(band.x0, 0), x1 = std::min(band.x1, width);
+        for (std::size_t p = 0; p < planes.size() && x0 < x1; ++p)
+            for (int y = std::max(band.y0, 0); y < std::min(band.y1, height); ++y) {
+                const auto from = sources[p]->values.begin() + std::ptrdiff_t{width} * y;
+                std::copy(from + x0, from + x1,
+                          planes[p].begin() + std::ptrdiff_t{band.x1 - band.x0} * (y - band.y0) + x0 - band.x0);
+            }
+    };
+    for (const ImageLayer& layer : denoised.removed)
+        for (const ImagePlane& plane : layer.planes) edit.removed.insert({plane.part, plane.channel});
+    for (const std::string& name : denoised.added) edit.added.push_back(part_of(*image.layer(name), image.width));
+    edit.attributes = denoised.attributes;
+    edit.drops_attribute = [&denoised](const std::string& name) {
+        return std::any_of(denoised.removed.begin(), denoised.removed.end(), [&](const ImageLayer& layer) {
+            return name == "rule/" + layer.name || name == "storage/" + layer.name ||
+                   name == "statistics/" + layer.name;
+        });
+    };
+    return edit;
+}
+
+}  // namespace
+
+Result<DenoisedImage> denoise_image(ExrImage& image, const DenoiseOptions& options) {
+    if (options.second.empty()) return ImageDenoiser(image, nullptr, options).run();
+    auto second = read_exr(options.second);
+    if (!second) return second.error();
+    return ImageDenoiser(image, &*second, options).run();
+}
+
+Result<DenoisedImage> denoise_exr(const std::string& from, const std::string& to, const DenoiseOptions& options) {
+    auto image = read_exr(from);
+    if (!image) return image.error();
+    auto denoised = denoise_image(*image, options);
+    if (!denoised) return denoised;
+    if (Status results = add_results(*image, *denoised); !results) return results.error();
+    const ExrEdit edit = edit_of(*image, *denoised);
+    if (Status written = edit_exr(from, to, edit); !written) return written.error();
+    return denoised;
+}
+
+}  // namespace raylex::display

@@ -1,0 +1,35 @@
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "experiments/job/channels/channel_plan.h"
+
+namespace raylex::experiments {
+
+Status add_denoiser_inputs(const ScenePathStrings& scene, ChannelPlan& plan, Job& job) {
+    if (!job.outputs.denoise) return success();
+    std::vector<std::string> names;
+    if (job.settings.channels.beauty) names.emplace_back("beauty");
+    for (const display::PartitionDeclaration& partition : plan.partitions) {
+        names.insert(names.end(), partition.layers.begin(), partition.layers.end());
+        if (!partition.of.empty()) names.push_back(partition.of);
+    }
+    for (const char* name : {"albedo", "Nn"}) {
+        names.emplace_back(name);
+        auto guide = transport::named_channel(name, scene.alphabet.pattern_channels);
+        if (!guide) return guide.error();
+        if (std::none_of(plan.channels.begin(), plan.channels.end(),
+                         [&](const display::ChannelDefinition& each) { return each.name == guide->name; }))
+            plan.channels.push_back(std::move(*guide));
+    }
+    std::vector<display::StatisticRequest>& statistics = job.settings.channels.statistics;
+    for (const std::string& name : names)
+        if (std::none_of(statistics.begin(), statistics.end(), [&](const display::StatisticRequest& each) {
+                return each.channel == name && each.statistic == display::Statistic::mse;
+            }))
+            statistics.push_back({name, display::Statistic::mse, {"--denoise", 0, 0}});
+    return success();
+}
+
+}  // namespace raylex::experiments

@@ -1,0 +1,129 @@
+// raylex denoise and raylex render --denoise, on renders and on images of other renderers.
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "../display/files.h"
+#include "display/output/reader/exr_reader.h"
+#include "support.h"
+
+namespace raylex::test {
+namespace {
+
+const std::string split_options = " --lpe diffuse='C<RD>[<L.>O]' --light-groups --aov z --cryptomatte object ";
+
+/// A foreign layer of one colour with noise of this deviation.
+std::vector<ForeignChannel> noisy_channels(const std::string& prefix, unsigned seed, float mean, float deviation) {
+    std::mt19937 random(seed);
+    std::normal_distribution<float> normal(mean, std::max(deviation, 1e-6f));
+    std::vector<ForeignChannel> channels;
+    for (const char* plane : {"R", "G", "B"}) {
+        std::vector<float> values(40 * 30);
+        for (float& value : values) value = deviation > 0 ? normal(random) : mean;
+        channels.push_back({prefix + plane, Imf::HALF, values});
+    }
+    return channels;
+}
+
+double scatter(const display::ExrImage& image, const std::string& layer, float mean) {
+    double sum = 0;
+    for (const char* name : {"R", "G", "B"})
+        for (const float value : plane(image, layer, name)) sum += std::pow(static_cast<double>(value - mean), 2);
+    return sum / (3.0 * image.width * image.height);
+}
+
+}  // namespace
+
+TEST_CASE("a denoised render sums in every partition, and keeps everything else", "[cli][denoise][law1]") {
+    const Folder folder;
+    folder.write("scene.pbrt", small_scene());
+    const std::string render = "render scene.pbrt --spp 8" + split_options;
+    REQUIRE(run_raylex(folder, render + "-o plain.exr").code == 0);
+    const Outcome outcome = run_raylex(folder, render + "-o denoised.exr --denoise --keep-noisy");
+    CAPTURE(outcome.err);
+    REQUIRE(outcome.code == 0);
+    CHECK(contains(outcome.out, "root mean squared error, estimated"));
+    const Outcome verified = run_raylex(folder, "verify denoised.exr");
+    CHECK(verified.code == 0);
+    CHECK(contains(verified.out, "'auto'"));
+    CHECK(contains(verified.out, "'light_groups'"));
+    const auto plain = display::read_exr(folder.path("plain.exr")),
+               image = display::read_exr(folder.path("denoised.exr"));
+    REQUIRE(plain);
+    REQUIRE(image);
+    CHECK(image->attributes.at("raylex/denoised").starts_with("raylex denoise: "));
+    CHECK(image->attributes.at("error/diffuse").starts_with("mean squared error "));
+    CHECK(image->attributes.at("verdict/auto").starts_with("holds"));
+    CHECK(image->attributes.at("lpe/diffuse") == plain->attributes.at("lpe/diffuse"));
+    CHECK(plane(*image, "", "A") == plane(*plain, "", "A"));
+    CHECK(plane(*image, "z", "Z") == plane(*plain, "z", "Z"));
+    CHECK(plane(*image, "CryptoObject00", "R") == plane(*plain, "CryptoObject00", "R"));
+    CHECK(plane(*image, "beauty_noisy", "R") == plane(*plain, "", "R"));
+    CHECK(plane(*image, "diffuse_noisy", "G") == plane(*plain, "diffuse", "G"));
+    CHECK(plane(*image, "", "R") != plane(*plain, "", "R"));
+    REQUIRE(image->layer("diffuse_error") != nullptr);
+    CHECK(image->layer("diffuse_mse") != nullptr);
+    check_refused(folder, "denoise denoised.exr -o again.exr", {"denoised already"});
+
+    // The command gives the same bits as the render, and leaves the statistics out.
+    REQUIRE(run_raylex(folder, render + "-o noisy.exr --aov albedo,Nn --statistics beauty=mse --statistics albedo=mse "
+                                        "--statistics Nn=mse --statistics diffuse=mse --statistics rest=mse "
+                                        "--statistics light_default=mse")
+                .code == 0);
+    const Outcome command = run_raylex(folder, "denoise noisy.exr -o command.exr --threads 3");
+    CAPTURE(command.err);
+    REQUIRE(command.code == 0);
+    const auto other = display::read_exr(folder.path("command.exr"));
+    REQUIRE(other);
+    for (const char* layer : {"", "diffuse", "rest"}) CHECK(plane(*other, layer, "G") == plane(*image, layer, "G"));
+    CHECK(other->layer("diffuse_mse") == nullptr);
+    CHECK(other->layer("diffuse_noisy") == nullptr);
+    CHECK_FALSE(other->attributes.contains("statistics/diffuse_mse"));
+}
+
+TEST_CASE("a layer whose noise is unknown is refused, with what is needed", "[cli][denoise][law7]") {
+    const Folder folder;
+    folder.write("scene.pbrt", small_scene());
+    REQUIRE(run_raylex(folder, "render scene.pbrt -o plain.exr --spp 4").code == 0);
+    check_refused(folder, "denoise plain.exr -o out.exr",
+                  {"plain.exr", "no layer of light has statistics", "--second", "raylex render --denoise"});
+    REQUIRE(run_raylex(folder, "render scene.pbrt -o part.exr --spp 4 --lpe d='C<RD>L' --statistics beauty=mse").code ==
+            0);
+    check_refused(folder, "denoise part.exr -o out.exr", {"the layer 'd' of partition 'auto'", "--statistics d=mse"});
+    check_refused(folder, "denoise part.exr -o part.exr", {"would be overwritten"});
+    check_refused(folder, "denoise part.exr -o out.png", {"does not end in .exr"});
+    check_refused(folder, "denoise missing.exr -o out.exr", {"missing.exr"});
+    CHECK_FALSE(folder.has("out.exr"));
+}
+
+TEST_CASE("images of other renderers are denoised with variances, halves or a second render", "[cli][denoise]") {
+    const Folder folder;
+    const auto join = [](std::vector<ForeignChannel> a, const std::vector<ForeignChannel>& b) {
+        a.insert(a.end(), b.begin(), b.end());
+        return a;
+    };
+    const auto first = noisy_channels("", 1, 1, 0.2f), second = noisy_channels("", 2, 1, 0.2f);
+    write_foreign(folder.path("first.exr"), first, 40, 30);
+    write_foreign(folder.path("second.exr"), second, 40, 30);
+    REQUIRE(run_raylex(folder, "denoise first.exr --second second.exr -o pair.exr").code == 0);
+    CHECK(scatter(*display::read_exr(folder.path("pair.exr")), "", 1) < 0.004);  // 0.02 before
+
+    std::vector<ForeignChannel> variance = noisy_channels("beauty_mse.", 3, 0.04f, 0);
+    write_foreign(folder.path("variance.exr"), join(first, variance), 40, 30);
+    REQUIRE(run_raylex(folder, "denoise variance.exr -o of_variance.exr").code == 0);
+    const auto image = display::read_exr(folder.path("of_variance.exr"));
+    REQUIRE(image);
+    CHECK(scatter(*image, "", 1) < 0.008);  // 0.04 before
+    CHECK(image->layer("")->planes[0].stored == display::StoredType::single_float);
+    CHECK(image->layer("beauty_error") != nullptr);
+
+    write_foreign(folder.path("small.exr"), {{"R", Imf::HALF, {1}}, {"G", Imf::HALF, {1}}, {"B", Imf::HALF, {1}}}, 1,
+                  1);
+    check_refused(folder, "denoise first.exr --second small.exr -o out.exr", {"small.exr", "another size"});
+}
+
+}  // namespace raylex::test
