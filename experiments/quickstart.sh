@@ -23,8 +23,8 @@ out=${1:-$root/build/quickstart}
 # CPU seconds and megabytes, measured on a machine with two cores and a cold compiler cache. The probe compiles one file
 # on every core of this machine: the time that it takes, over probe_seconds, is how much slower this machine is now.
 probe_seconds=2.3
-first_core_seconds=140
-rest_core_seconds=210
+first_core_seconds=430
+rest_core_seconds=350
 render_core_seconds=230
 study_core_seconds=110
 needed_megabytes=2200
