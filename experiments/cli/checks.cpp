@@ -72,10 +72,15 @@ fs::path residual_map_path(const display::SplitResult& result, const display::Ex
            (source.stem().string() + "." + (result.partition.empty() ? "sum" : result.partition) + ".residual.png");
 }
 
+/// The path of the image of unassigned light beside a residual map.
+std::string unassigned_path(const fs::path& map) {
+    return fs::path(map).replace_extension().replace_extension(".unassigned.exr").string();
+}
+
 /// Writes the unassigned light beside a residual map. Returns a line about it; empty if there is none.
 std::string write_unassigned(const fs::path& map, const display::SplitResult& result, const display::ExrImage& image) {
     if (result.rebuild.light.empty()) return {};
-    const std::string path = fs::path(map).replace_extension().replace_extension(".unassigned.exr").string();
+    const std::string path = unassigned_path(map);
     const Status written = display::write_unassigned_exr(path, result, image);
     return written
                ? "\n  light to add to the sum and to remove from it: " + path + " (layers unassigned, counted_twice)"
@@ -170,8 +175,12 @@ bool print_results_of_new(std::span<const display::SplitResult> results, const d
         print_result(result_line(result), result.holds);
         hold = hold && result.holds;
         const std::string map = residual_map_path(result, image).string();
-        if (result.answer == display::SplitAnswer::does_not_hold) print_line("  " + write_residual_map(result, image));
-        else if (Status removed = display::remove_file(map); !removed) print_warning(removed.error().to_string());
+        if (result.answer == display::SplitAnswer::does_not_hold) {
+            print_line("  " + write_residual_map(result, image));
+            continue;
+        }
+        for (const std::string& old : {map, unassigned_path(map)})
+            if (Status removed = display::remove_file(old); !removed) print_warning(removed.error().to_string());
     }
     return hold;
 }

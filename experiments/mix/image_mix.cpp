@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "display/output/atlas/atlas_file.h"
@@ -30,6 +31,7 @@ struct LightSplit {
     Layers layers;
     bool declared = false;
     bool plain = true;  ///< no layer is multiplied or subtracted
+    display::Allowance allowance{};
 
     [[nodiscard]] bool has(const ImageLayer* layer) const {
         return std::find(layers.begin(), layers.end(), layer) != layers.end();
@@ -46,7 +48,7 @@ std::string names_of(const Layers& layers) {
 std::vector<LightSplit> splits_of(const ExrImage& image) {
     std::vector<LightSplit> splits;
     for (const display::PartitionDeclaration& partition : image.partitions) {
-        LightSplit split{partition.name, image.layer(partition.of), {}, true, true};
+        LightSplit split{partition.name, image.layer(partition.of), {}, true, true, {}};
         for (const std::string& name : partition.layers) split.layers.push_back(image.layer(name));
         if (split.of != nullptr && !split.has(nullptr)) splits.push_back(std::move(split));
     }
@@ -62,7 +64,7 @@ std::vector<LightSplit> splits_of(const ExrImage& image) {
                 using enum display::SumStep::Kind;
                 return step.kind == multiply || step.kind == subtract || step.kind == negate;
             });
-            splits.push_back({each.title, of, sum->layers, false, plain});
+            splits.push_back({each.title, of, sum->layers, false, plain, each.allowance});
         }
     }
     return splits;
@@ -72,6 +74,12 @@ std::vector<LightSplit> splits_of(const ExrImage& image) {
 Result<const ImageLayer*> layer_of(const ExrImage& image, const ColorFactor& factor) {
     for (const ImageLayer& layer : image.layers)
         if (layer.name == factor.name) return &layer;
+    // Different groups can have names that are equal as names of layers, so the expression decides.
+    const std::string events = "<L.'" + (factor.name == "default" ? "" : factor.name) + "'>";
+    for (const ImageLayer& layer : image.layers)
+        if (const auto lpe = image.attributes.find("lpe/" + layer.name);
+            layer.name.starts_with("light_") && lpe != image.attributes.end() && lpe->second.ends_with(events))
+            return &layer;
     std::string group = factor.name;
     for (char& c : group)
         if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '-') c = '_';
@@ -154,11 +162,10 @@ class ImageMixPlan {
             std::size_t inside = 0;
             for (const ImageLayer* layer : named) inside += split.has(layer) ? 1 : 0;
             some_split = some_split || inside > 0;
-            if (nested || !split.plain) continue;
+            if (nested || !split.plain || split.of != whole_) continue;
             choices += (choices.empty() ? "" : "; ") + split.name + " (" + names_of(split.layers) + ")";
             if (inside != named.size()) continue;
             chosen_ = &split;
-            whole_ = split.of;
             family_ = split.layers;
             result.is_proved = split.declared;
             result.is_whole = true;
@@ -198,7 +205,8 @@ class ImageMixPlan {
                                                [&](const ImageLayer* layer) { return !follows(layer); });
                 if (&split == chosen_ || !(gone || (split.of == whole_ && stale))) continue;
                 again = dropped_splits_.insert(split.name).second || again;
-                for (const ImageLayer* layer : split.layers) leave_out(layer);
+                for (const ImageLayer* layer : split.layers)
+                    if (split.plain || !layer->name.ends_with("Col")) leave_out(layer);  // a colour is no light
             }
         }
         for (const ImageLayer& layer : image_.layers)
@@ -212,9 +220,10 @@ class ImageMixPlan {
         if (found != image_.attributes.end())
             if (const std::size_t of = found->second.find(" of "); of != std::string::npos)
                 return {found->second.substr(0, of), image_.layer(found->second.substr(of + 4))};
-        constexpr std::string_view suffix = "_error";
-        if (!layer.name.ends_with(suffix)) return {};
-        return {"error", image_.layer(layer.name.substr(0, layer.name.size() - suffix.size()))};
+        for (const std::string kind : {"error", "noisy"})
+            if (layer.name.ends_with("_" + kind))
+                return {kind, image_.layer(layer.name.substr(0, layer.name.size() - kind.size() - 1))};
+        return {};
     }
 
     void follow_statistics() {
@@ -240,6 +249,13 @@ class ImageMixPlan {
             if (layer->triple()[0] == nullptr)
                 return error_at({image_.path, 0, 0},
                                 "layer '" + layer->name + "' has no red, green and blue; expected layers of light");
+        for (const ImageLayer* layer : family_) {
+            const Rgb& factor = factors_.at(layer);
+            if (!layer->is_color() && (factor[0] != factor[1] || factor[1] != factor[2] || chosen_ == nullptr))
+                return error_at({image_.path, 0, 0}, "layer '" + layer->name +
+                                                         "' has no red, green and blue; expected a layer of light, or "
+                                                         "one number for a layer of a partition");
+        }
         if (whole_->is_color()) return success();
         return error_at({image_.path, 0, 0}, "the beauty has no red, green and blue; expected an image in colour");
     }
@@ -288,29 +304,38 @@ class ImageMixPlan {
             const float* values;
             double factor;
             display::StoredPrecision precision;
+            display::StoredType stored;
         };
         std::vector<Term> terms;
         for (const ImageLayer* layer : family_) {
             const ImagePlane* plane = layer->triple()[c];
-            terms.push_back({planes[index_.at(plane)].data(), factors_.at(layer)[c], display::precision_of(*plane)});
+            terms.push_back(
+                {planes[index_.at(plane)].data(), factors_.at(layer)[c], display::precision_of(*plane), plane->stored});
         }
         const ImagePlane& target = *whole_->triple()[c];
         const display::StoredPrecision precision = display::precision_of(target);
         const double cancelled = display::cancelled_unit * display::light_magnitude_of(image_.attributes);
+        const display::Allowance allowance = chosen_ != nullptr ? chosen_->allowance : display::Allowance{};
+        const auto rounding_of = [](double value, const display::StoredPrecision& of) {
+            return of.unit * std::abs(value) + of.spacing + (of.dwa > 0 ? display::dwa_change(value, of.dwa) : 0);
+        };
         std::vector<float>& whole = planes[index_.at(&target)];
         for (std::size_t i = 0; i < whole.size(); ++i) {
             const auto before = static_cast<double>(whole[i]);
-            double total = 0, scaled = 0, rounding = precision.unit * std::abs(before) + precision.spacing + cancelled;
-            bool changes = false;
+            double total = 0, scaled = 0, rounding = rounding_of(before, precision) + cancelled + allowance.absolute;
+            bool changes = false, clamped = display::is_clamped(whole[i], target.stored);
             for (const Term& term : terms) {
                 const auto value = static_cast<double>(term.values[i]);
                 total += value;
                 scaled += term.factor == 0 ? 0 : term.factor * value;
-                rounding += term.precision.unit * std::abs(value) + term.precision.spacing;
+                rounding += rounding_of(value, term.precision) + allowance.relative * std::abs(value);
+                clamped = clamped || display::is_clamped(term.values[i], term.stored);
                 changes = changes || (term.factor != 1 && value != 0);
             }
-            const double rest = std::abs(before - total) <= rounding ? 0 : before - total;
-            if (std::isfinite(rest)) {
+            // What a clamp took is no light of its own, and infinite light has no rest.
+            const bool is_known = std::isfinite(before) && std::isfinite(total) && !clamped;
+            const double rest = !is_known || std::abs(before - total) <= rounding ? 0 : before - total;
+            if (is_known) {
                 unassigned_ += rest;
                 light_ += before;
             }
@@ -341,7 +366,14 @@ Result<MixedImage> mix_image(const std::string& from, const std::string& to, con
     if (Status once = check_once(lights); !once) return once.error();
     const auto file = display::ExrBands::open(from);
     if (!file) return file.error();
-    ImageMixPlan plan(file->image());
+    // Names of other renderers imply a split only together with pixels: a transparent film subtracts the environment.
+    std::optional<ExrImage> pixels;
+    if (file->image().partitions.empty()) {
+        auto read = display::read_exr(from);
+        if (!read) return read.error();
+        pixels = *std::move(read);
+    }
+    ImageMixPlan plan(pixels ? *pixels : file->image());
     if (Status planned = plan.run(lights); !planned) return planned.error();
     display::ExrEdit edit = plan.edit();
     const auto earlier = file->image().attributes.find("raylex/mix");

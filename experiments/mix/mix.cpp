@@ -22,6 +22,7 @@ std::string_view trimmed(std::string_view text) {
 
 std::optional<double> number_of(std::string_view text) {
     text = trimmed(text);
+    if (text.starts_with("+-")) return std::nullopt;
     if (text.starts_with('+')) text.remove_prefix(1);
     double value = 0;
     const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), value);

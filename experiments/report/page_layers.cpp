@@ -285,14 +285,16 @@ Json mix_json(const ExrImage& image) {
     const auto beauty = image.require_layer("");
     if (!beauty || !(*beauty)->is_color()) return nullptr;
     for (const display::PartitionDeclaration& partition : image.partitions)
-        if (image.layer(partition.of) == *beauty &&
+        if (image.layer(partition.of) == *beauty && !partition.layers.empty() &&
             std::all_of(partition.layers.begin(), partition.layers.end(),
                         [](const std::string& name) { return name.starts_with("light_"); }))
             return {{"whole", shown_name(**beauty)}, {"layers", partition.layers}, {"rest", false}};
     std::vector<std::string> names;
     for (const ImageLayer& layer : image.layers)
         for (const char* prefix : {"Combined_", "RGBA_", "light_"})
-            if (layer.is_color() && std::string_view(layer.name).substr(layer.name.rfind('.') + 1).starts_with(prefix))
+            if (layer.is_color() && image.attributes.count("statistics/" + layer.name) == 0 &&
+                !layer.name.ends_with("_noisy") &&
+                std::string_view(layer.name).substr(layer.name.rfind('.') + 1).starts_with(prefix))
                 names.push_back(layer.name);
     if (names.empty()) return nullptr;
     return {{"whole", shown_name(**beauty)}, {"layers", names}, {"rest", true}};

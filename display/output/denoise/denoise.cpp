@@ -54,6 +54,7 @@ std::vector<float> window_means(const std::vector<float>& plane, int width, int 
 /// neighbours, and bounded by what the pixels show: Sobol' points often leave less noise than independent ones, and
 /// neighbouring pixels differ at least by their noise.
 void settle_variance(const std::vector<float>& values, std::vector<float>& variance, int width, int height) {
+    if (width < 2 || height < 2) return;  // a single row has no neighbours in both directions
     constexpr int radius = 3;
     const auto at = [&](int x, int y) {
         return values[static_cast<std::size_t>(std::clamp(y, 0, height - 1) * width + std::clamp(x, 0, width - 1))];

@@ -29,7 +29,12 @@ class Statistics {
 
     /// Returns whether the variance of the layer is known.
     [[nodiscard]] bool has(const ImageLayer& layer) const {
-        if (second_ != nullptr) return second_->layer(layer.name) != nullptr;
+        if (second_ != nullptr) {
+            const ImageLayer* other = second_->layer(layer.name);
+            return other != nullptr &&
+                   std::all_of(layer.planes.begin(), layer.planes.begin() + 3,
+                               [&](const ImagePlane& p) { return other->plane(p.name) != nullptr; });
+        }
         return statistic(layer, "_mse") != nullptr ||
                (statistic(layer, "_even") != nullptr && statistic(layer, "_odd") != nullptr);
     }
@@ -142,12 +147,43 @@ class ImageDenoiser {
     Status check_layers() {
         if (second_ != nullptr && (second_->width != image_.width || second_->height != image_.height))
             return image_error(*second_, "the second image has another size; expected the size of " + image_.path);
-        if (!chosen_.empty()) return success();
+        if (!chosen_.empty()) return check_values();
         return image_error(image_,
                            "no layer of light has statistics, so its noise is unknown; expected NAME_mse (the variance "
                            "of a pixel), or NAME_even and NAME_odd (two halves of the samples), or a second image of "
                            "other random numbers by --second",
                            "raylex render --denoise keeps them");
+    }
+
+    /// Refuses images that the filter would change for the worse, or whose layers would no longer sum.
+    Status check_values() {
+        if (image_.data_window)
+            return image_error(image_,
+                               "the image is a crop; expected a whole image, because the filter would take the "
+                               "pixels around it as black");
+        if (const auto beauty = image_.require_layer(""); beauty && *beauty != &image_.layers[chosen_.front()])
+            return image_error(image_,
+                               "the beauty has no statistics, and guides the filter of all layers; expected "
+                               "'beauty_mse', or 'beauty_even' and 'beauty_odd'");
+        std::set<std::string> names;
+        for (std::size_t i = 0; i < chosen_.size(); ++i) {
+            const ImageLayer& layer = image_.layers[chosen_[i]];
+            if (!names.insert(names_[i]).second)
+                return image_error(image_, "two layers are called '" + names_[i] + "'; expected one of each name");
+            if (image_.layer(names_[i] + "_error") != nullptr)
+                return image_error(image_, "the layer '" + names_[i] +
+                                               "_error' exists; expected no layer of the name "
+                                               "that the estimated error gets");
+            for (const ImagePlane& plane : std::span(layer.planes).first(3))
+                if (!image_.partitions.empty() &&
+                    (plane.stored != StoredType::single_float || plane.loss != PlaneLoss::none))
+                    return image_error(image_,
+                                       "the layer '" + names_[i] +
+                                           "' is stored as half or with loss, so the layers of its partitions sum only "
+                                           "roughly; expected float with a lossless compression",
+                                       "render without --exr light=half");
+        }
+        return success();
     }
 
     Status read_sums() {
@@ -190,15 +226,27 @@ class ImageDenoiser {
             for (std::size_t p = 0; p < 3; ++p) {
                 std::vector<float>& values = layer.planes[p].values;
                 noisy.variance[p] = statistics_.variance(layer, p, values);
-                const auto finite = [](float value) { return std::isfinite(value); };
-                if (!std::all_of(values.begin(), values.end(), finite) ||
-                    !std::all_of(noisy.variance[p].begin(), noisy.variance[p].end(), finite))
+                // Squares of larger values are no floats.
+                constexpr float most = 1e15f;
+                const auto small = [](float value) { return std::abs(value) <= most; };
+                if (!std::all_of(values.begin(), values.end(), small) ||
+                    !std::all_of(noisy.variance[p].begin(), noisy.variance[p].end(),
+                                 [](float value) { return value >= 0 && value <= most * most; }))
                     return image_error(image_, "the layer '" + name_in_text(layer.name) +
-                                                   "' or its variance has values that are not finite; expected none");
+                                                   "' has values that are not finite or above 1e15, or a negative "
+                                                   "variance; expected none");
                 if (options_.keep_noisy) noisy.values[p] = values;
                 else noisy.values[p] = std::move(values);
             }
         }
+        const auto is_zero = [](const std::vector<float>& plane) {
+            return std::all_of(plane.begin(), plane.end(), [](float value) { return value == 0; });
+        };
+        const auto& variance = noisy_.layers.front().variance;
+        if (std::all_of(variance.begin(), variance.end(), is_zero))
+            return image_error(image_, "the variance of '" + names_.front() +
+                                           "' is 0 everywhere; expected at least two "
+                                           "samples a pixel, or a second image of other random numbers");
         return success();
     }
 
@@ -323,10 +371,13 @@ ExrEdit edit_of(const ExrImage& image, const DenoisedImage& denoised) {
     for (const std::string& name : denoised.added) edit.added.push_back(part_of(*image.layer(name), image.width));
     edit.attributes = denoised.attributes;
     edit.drops_attribute = [&denoised](const std::string& name) {
-        return std::any_of(denoised.removed.begin(), denoised.removed.end(), [&](const ImageLayer& layer) {
-            return name == "rule/" + layer.name || name == "storage/" + layer.name ||
-                   name == "statistics/" + layer.name;
-        });
+        return std::any_of(denoised.removed.begin(), denoised.removed.end(),
+                           [&](const ImageLayer& layer) {
+                               return name == "rule/" + layer.name || name == "storage/" + layer.name ||
+                                      name == "statistics/" + layer.name;
+                           }) ||
+               std::any_of(denoised.layers.begin(), denoised.layers.end(),
+                           [&](const DenoisedLayer& layer) { return name == "storage/" + layer.name; });
     };
     return edit;
 }

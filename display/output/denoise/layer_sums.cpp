@@ -80,7 +80,8 @@ void LayerSums::make_sum(std::span<const double> noisy, std::span<const double> 
     double step = holds ? 1 : 0;
     for (std::size_t k = 0; k < noisy.size(); ++k)
         if (noisy[k] >= 0 && denoised[k] < 0) step = std::min(step, noisy[k] / (noisy[k] - denoised[k]));
-    if (step < 1)
+    if (step == 0) std::copy(noisy.begin(), noisy.end(), denoised.begin());
+    else if (step < 1)
         for (std::size_t k = 0; k < noisy.size(); ++k) denoised[k] = noisy[k] + step * (denoised[k] - noisy[k]);
 }
 

@@ -171,7 +171,7 @@ TileEstimate TileFilter::estimate(std::size_t layer, const TileEstimate* guide) 
                 const float step = filtered[c][i] - planes.values[c][at];
                 change[i] += step * step;
                 noise[i] += planes.variance[c][at];
-                square += planes.values[c][at] * planes.values[c][at];
+                square += planes.values[c][at] * planes.values[c][at] + filtered[c][i] * filtered[c][i];
             }
             scale[i] = noise[i] + relative_floor * square + 1e-30f;
             kept[i] = noise[i] * std::min(1.0f, weights_[searched / 2 * area + i]) / scale[i];

@@ -21,7 +21,9 @@ std::vector<const ImageLayer*> factors_of(const LayerSum& sum) {
             const ImageLayer* right = stack.back();
             stack.pop_back();
             const ImageLayer* factor = right != nullptr ? right : stack.back();
-            if (step.kind == SumStep::Kind::multiply && factor != nullptr) factors.push_back(factor);
+            if (step.kind == SumStep::Kind::multiply && factor != nullptr &&
+                std::find(factors.begin(), factors.end(), factor) == factors.end())
+                factors.push_back(factor);
         }
         stack.back() = nullptr;
     }
@@ -59,6 +61,8 @@ RebuildTally::RebuildTally(const ExrImage& image, const ImageLayer& of, const La
         std::vector<const ImageLayer*>& layers = is_term ? terms_ : spare_;
         if (&layer != &of && layer.is_color() && layers.size() < most_candidates) layers.push_back(&layer);
     }
+    for (const ImageLayer* layer : spare_) spare_planes_.push_back(layer->triple());
+    for (const ImageLayer* layer : terms_) term_planes_.push_back(layer->triple());
     rebuild_.unassigned = difference_of(spare_);
     rebuild_.doubled = difference_of(terms_);
     for (const ImageLayer* factor : factors_) rebuild_.lost[name_of(*factor)];
@@ -66,7 +70,7 @@ RebuildTally::RebuildTally(const ExrImage& image, const ImageLayer& of, const La
 
 void RebuildTally::add(std::size_t pixel, std::size_t c, double difference) {
     LightDifference& to = difference > 0 ? rebuild_.unassigned : rebuild_.doubled;
-    const std::vector<const ImageLayer*>& candidates = difference > 0 ? spare_ : terms_;
+    const std::vector<std::array<const ImagePlane*, 3>>& candidates = difference > 0 ? spare_planes_ : term_planes_;
     const double light = std::abs(difference);
     to.light += light;
     to.square += light * light;
@@ -76,7 +80,7 @@ void RebuildTally::add(std::size_t pixel, std::size_t c, double difference) {
         to.y = static_cast<int>(pixel / width_);
     }
     for (std::size_t k = 0; k < candidates.size(); ++k) {
-        const double left = light - static_cast<double>(candidates[k]->triple()[c]->values[pixel]);
+        const double left = light - static_cast<double>(candidates[k][c]->values[pixel]);
         to.candidates[k].second += left * left;
     }
     for (const ImageLayer* factor : factors_)

@@ -25,6 +25,7 @@ class RebuildTally {
 
     std::size_t width_, pixels_;
     std::vector<const ImageLayer*> spare_, terms_, factors_;  ///< not in the sum; in the sum; factors of its products
+    std::vector<std::array<const ImagePlane*, 3>> spare_planes_, term_planes_;
     Rebuild rebuild_;
 };
 

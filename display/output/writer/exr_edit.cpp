@@ -116,9 +116,9 @@ std::vector<EditedPart> edited_parts(const Imf::MultiPartInputFile& input, const
         }
         EditedPart& part = parts.emplace_back();
         part.from = -1;
-        part.header = Imf::Header(first.displayWindow(), first.dataWindow());
+        part.header = Imf::Header(first.displayWindow(), first.dataWindow(), first.pixelAspectRatio());
         part.header.setName(added.name);
-        part.header.compression() = Imf::ZIP_COMPRESSION;
+        part.header.compression() = is_lossy(first.compression()) ? Imf::ZIP_COMPRESSION : first.compression();
         for (const auto& [name, value] : added.attributes) part.header.insert(name, Imf::StringAttribute(value));
         add_channels(part, added);
     }
@@ -148,7 +148,7 @@ bool prepare_header(EditedPart& part, const ExrEdit& edit) {
         if (!channel.kept) continue;
         const Imf::Channel* found = earlier.findChannel(channel.place.name);
         Imf::Channel entry = found != nullptr ? *found : Imf::Channel();
-        if (entry.type != channel.type && is_lossy(header.compression())) header.compression() = Imf::ZIP_COMPRESSION;
+        if (edit.changed_to_float && is_lossy(header.compression())) header.compression() = Imf::ZIP_COMPRESSION;
         entry.type = channel.type;
         kept.insert(channel.place.name, entry);
     }

@@ -25,9 +25,10 @@ struct ExrChannel {
 struct ExrEdit {
     std::vector<ExrChannel> planes;  ///< the channels that `change` gets, in this order
     std::set<ExrChannel> changed;    ///< those of them that are written back
-    bool changed_to_float = false;   ///< stores changed channels as float, with a lossless compression
-    std::set<ExrChannel> removed;    ///< channels that the copy lacks; a part without channels is left out
-    std::vector<DataPart> added;     ///< new parts, or channels of the only part of a file
+    /// Stores changed channels as float. Parts that are packed again get a lossless compression.
+    bool changed_to_float = false;
+    std::set<ExrChannel> removed;  ///< channels that the copy lacks; a part without channels is left out
+    std::vector<DataPart> added;   ///< new parts, or channels of the only part of a file
     /// Changes a band of rows, plane by plane. Called from the top to the bottom of the data window, with the pixels of
     /// the band, counted from the upper left corner of the display window. A half beyond its range becomes infinite.
     std::function<void(const PixelRegion& band, std::span<std::vector<float>> planes)> change;

@@ -9,6 +9,13 @@ namespace raylex::experiments {
 
 Status add_denoiser_inputs(const ScenePathStrings& scene, ChannelPlan& plan, Job& job) {
     if (!job.outputs.denoise) return success();
+    const auto refuse = [](const std::string& what) { return error_at({"--denoise", 0, 0}, "--denoise " + what); };
+    if (!job.outputs.filters.empty()) return refuse("needs light whose variance is known; expected no display filter");
+    if (job.settings.film.crop) return refuse("needs the whole image; expected no crop");
+    for (const display::ChannelKind kind : {display::ChannelKind::light, display::ChannelKind::color})
+        if (const display::ExrStorage& storage = job.outputs.storage[static_cast<std::size_t>(kind)];
+            storage.type != display::StoredType::single_float)
+            return refuse("needs light as float, so that denoised layers sum; expected no half in --exr");
     std::vector<std::string> names;
     if (job.settings.channels.beauty) names.emplace_back("beauty");
     for (const display::PartitionDeclaration& partition : plan.partitions) {
