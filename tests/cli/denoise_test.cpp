@@ -124,6 +124,33 @@ TEST_CASE("images of other renderers are denoised with variances, halves or a se
     write_foreign(folder.path("small.exr"), {{"R", Imf::HALF, {1}}, {"G", Imf::HALF, {1}}, {"B", Imf::HALF, {1}}}, 1,
                   1);
     check_refused(folder, "denoise first.exr --second small.exr -o out.exr", {"small.exr", "another size"});
+    write_foreign(folder.path("grey.exr"), {{"Y", Imf::HALF, std::vector<float>(40 * 30, 1)}}, 40, 30);
+    check_refused(folder, "denoise first.exr --second grey.exr -o out.exr", {"no layer of light has statistics"});
+    check_refused(folder, "denoise first.exr --second first.exr -o out.exr", {"is 0 everywhere"});
+    const auto twice = noisy_channels("beauty.", 4, 1, 0.2f);
+    write_foreign(folder.path("twice.exr"), join(first, twice), 40, 30);
+    write_foreign(folder.path("twice2.exr"), join(second, twice), 40, 30);
+    check_refused(folder, "denoise twice.exr --second twice2.exr -o out.exr", {"two layers are called 'beauty'"});
+    // A row has no neighbours to bound its variance by.
+    write_foreign(folder.path("row.exr"), join(first, variance), 1200, 1);
+    REQUIRE(run_raylex(folder, "denoise row.exr -o denoised_row.exr").code == 0);
+    CHECK(scatter(*display::read_exr(folder.path("denoised_row.exr")), "", 1) < 0.02);  // 0.04 before
+}
+
+TEST_CASE("denoising refuses renders whose layers would no longer sum or whose noise is unknown",
+          "[cli][denoise][law1]") {
+    const Folder folder;
+    folder.write("scene.pbrt", small_scene());
+    const std::string render = "render scene.pbrt --spp 4 --light-groups -o out.exr --denoise ";
+    check_refused(folder, render + "--exr light=half", {"--denoise", "expected no half"});
+    check_refused(folder, render + "--crop 2,2,9,9", {"--denoise", "expected no crop"});
+    check_refused(folder, render + "--display-filter grade:exposure=3", {"--denoise", "expected no display filter"});
+    CHECK_FALSE(folder.has("out.exr"));
+    REQUIRE(run_raylex(folder,
+                       "render scene.pbrt --spp 4 --light-groups --statistics beauty=mse "
+                       "--statistics light_default=mse --exr light=half -o half.exr")
+                .code == 0);
+    check_refused(folder, "denoise half.exr -o out.exr", {"half.exr", "stored as half or with loss"});
 }
 
 }  // namespace raylex::test

@@ -141,6 +141,7 @@ TEST_CASE("a mix comes from a file, and mistakes are named", "[gate]") {
     folder.write("table.toml", "[lights]\nlamp = 2\n");
     folder.write("value.toml", "[light]\nlamp = [1, 2]\n");
     for (const auto& [arguments, words] : std::vector<std::pair<std::string, std::vector<std::string>>>{
+             {"lamp=+-1stop -o o.exr", {"'+-1stop' is not a factor of 'lamp'"}},
              {"light_lmap=2 -o o.exr", {"'light_lmap'", "did you mean 'light_lamp'?", "light_default"}},
              {"lamp=2 light_lamp=3 -o o.exr", {"'light_lamp' has two factors"}},
              {"lamp=2 directDiffuse=3 -o o.exr", {"could count twice", "light_groups (light_lamp, light_default)"}},
@@ -155,6 +156,25 @@ TEST_CASE("a mix comes from a file, and mistakes are named", "[gate]") {
              {"--mix value.toml -o o.exr", {"value.toml:2", "not a factor of 'lamp'"}},
              {"lamp=2 -o in.exr", {"would be overwritten"}}})
         check_refused(folder, "mix in.exr " + arguments, words);
+}
+
+TEST_CASE("a group is scaled whose name differs from another one only in characters that layers lack") {
+    const SceneFolder folder;
+    folder.write("job.toml",
+                 "[scene]\nfile = \"room.pbrt\"\n[[light_group]]\nlight = \"area:0\"\ngroup = \"a b\"\n"
+                 "[[light_group]]\nlight = \"point:0\"\ngroup = \"a_b\"\n");
+    REQUIRE(run_raylex(folder, "render job.toml --light-groups -o in.exr").code == 0);
+    REQUIRE(run_raylex(folder, "mix in.exr a_b=0 'a b=2' -o out.exr").code == 0);
+    const auto before = display::read_exr(folder.path("in.exr")), after = display::read_exr(folder.path("out.exr"));
+    REQUIRE(before);
+    REQUIRE(after);
+    for (const display::ImageLayer& layer : after->layers) {
+        const auto lpe = after->attributes.find("lpe/" + layer.name);
+        if (lpe == after->attributes.end() || !layer.name.starts_with("light_a")) continue;
+        const double factor = lpe->second.find("a_b") == std::string::npos ? 2 : 0;
+        CAPTURE(layer.name, lpe->second);
+        CHECK(plane(*after, layer.name, "G") == scaled(plane(*before, layer.name, "G"), factor));
+    }
 }
 
 TEST_CASE("mix follows the light groups of Blender's image and keeps unassigned light", "[gate]") {
