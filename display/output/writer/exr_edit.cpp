@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <exception>
 #include <memory>
+#include <string_view>
 
 #include <ImfChannelList.h>
 #include <ImfDeepScanLineInputPart.h>
@@ -127,18 +128,20 @@ std::vector<EditedPart> edited_parts(const Imf::MultiPartInputFile& input, const
 
 /// Changes the header of a part for its copy; returns false if no channel is left.
 bool prepare_header(EditedPart& part, const ExrEdit& edit) {
+    // Imf::Header::erase() leaks the attribute, so the header is copied without what the edit drops.
+    Imf::Header left(part.header.displayWindow(), part.header.dataWindow());
+    for (auto i = part.header.begin(); i != part.header.end(); ++i) {
+        const bool is_text = dynamic_cast<const Imf::StringAttribute*>(&i.attribute()) != nullptr;
+        const bool is_dropped = is_text && edit.drops_attribute && edit.drops_attribute(i.name());
+        if (!is_dropped && !(part.packed_again && std::string_view(i.name()) == "tiles"))
+            left.insert(i.name(), i.attribute());
+    }
+    part.header = left;
     Imf::Header& header = part.header;
-    std::vector<std::string> dropped;
-    for (auto i = header.begin(); i != header.end(); ++i)
-        if (dynamic_cast<const Imf::StringAttribute*>(&i.attribute()) != nullptr && edit.drops_attribute &&
-            edit.drops_attribute(i.name()))
-            dropped.emplace_back(i.name());
-    for (const std::string& name : dropped) header.erase(name);
     if (!part.packed_again) {
         if (!header.hasType()) header.setType(header.hasTileDescription() ? Imf::TILEDIMAGE : Imf::SCANLINEIMAGE);
         return true;
     }
-    if (header.hasTileDescription()) header.erase("tiles");
     header.setType(Imf::SCANLINEIMAGE);
     header.lineOrder() = Imf::INCREASING_Y;
     header.dwaCompressionLevel() = dwa_level(header);
