@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "browser.h"
+#include "tests/experiments/browser.h"
 #include "tests/support/skip.h"
 
 using namespace raylex;

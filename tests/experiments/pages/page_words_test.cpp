@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "browser.h"
 #include "experiments/atlas/path_string_answers.h"
 #include "experiments/job/text/json.h"
 #include "experiments/report/html.h"
@@ -16,6 +15,7 @@
 #include "lpe/match.h"
 #include "lpe/oracle.h"
 #include "lpe/program.h"
+#include "tests/experiments/browser.h"
 #include "tests/support/paths.h"
 #include "tests/support/skip.h"
 
