@@ -104,7 +104,7 @@ std::vector<EditedPart> edited_parts(const Imf::MultiPartInputFile& input, const
         for (const auto& [name, value] : added.attributes)
             parts.front().header.insert(name, Imf::StringAttribute(value));
         if (input.parts() == 1) {
-            // All channels of a part are packed together, so those that nobody changes are read too.
+            // All channels of a part are packed together, so unchanged channels are read too.
             if (parts.front().channels.empty()) {
                 for (auto c = first.channels().begin(); c != first.channels().end(); ++c) {
                     EditedChannel& channel = parts.front().channels.emplace_back();
