@@ -74,11 +74,11 @@ Result<Aperture> Aperture::named(const std::string& name, const SourceLocation& 
     if (is_built_in(name)) {
         constexpr int resolution = 256;
         aperture.width_ = aperture.height_ = resolution;
+        constexpr double half = resolution / 2.0;
         const auto shape = shape_named(name);
         for (int y = 0; y < resolution; ++y)
             for (int x = 0; x < resolution; ++x)
-                aperture.pixels_.push_back(
-                    static_cast<float>(shape((x + 0.5) / (resolution / 2) - 1, 1 - (y + 0.5) / (resolution / 2))));
+                aperture.pixels_.push_back(static_cast<float>(shape((x + 0.5) / half - 1, 1 - (y + 0.5) / half)));
     } else {
         auto image = read_image(name);
         if (!image) return named_by(image.error(), "'aperture'", where);
