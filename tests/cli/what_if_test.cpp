@@ -1,6 +1,7 @@
 // raylex ask --what-if, --light and --mix: other lights and colours without a render.
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <random>
@@ -141,6 +142,49 @@ TEST_CASE("ask mixes lights as mix does, and every partition sums", "[atlas][law
         CHECK(sum > 0);
         for (const float value : plane(dark, "floor", component)) CHECK(value == 0);
     }
+}
+
+TEST_CASE("the gradient of the beauty by a factor is the sum of k times the light of k hits", "[atlas][gate]") {
+    const WhatIfFolder folder;
+    folder.render("a", {}, 1);
+    // h is a power of two, so the factors are exact.
+    constexpr double h = 1.0 / 16;
+    constexpr int most_hits = 5;
+    std::string at_least, hits = "C";
+    for (int k = 1; k <= most_hits; ++k) {
+        hits += ".*<.D'\"'floor'\"'>";
+        at_least += " --lpe 'hits" + std::to_string(k) + "=" + hits + ".*L'";
+    }
+    folder.run("ask a.atlas.exr" + at_least + " -o layers.exr");
+    folder.run("ask a.atlas.exr --what-if floor.D=1.0625 -o more.exr");
+    folder.run("ask a.atlas.exr --what-if floor.D=0.9375 -o less.exr");
+    const auto layers = folder.image("layers.exr"), more = folder.image("more.exr"), less = folder.image("less.exr");
+    double largest = 0, third_order = 0;
+    for (const char* component : {"R", "G", "B"}) {
+        const auto up = plane(more, "", component), down = plane(less, "", component);
+        std::vector<std::vector<float>> of_hits;
+        for (int k = 1; k <= most_hits; ++k) of_hits.push_back(plane(layers, "hits" + std::to_string(k), component));
+        for (std::size_t i = 0; i < up.size(); ++i) {
+            double gradient = 0, remainder = 0, value = static_cast<double>(up[i]) + static_cast<double>(down[i]);
+            for (int k = 1; k <= most_hits; ++k) {
+                const auto light = [&](int least) {
+                    return least > most_hits ? 0.0
+                                             : static_cast<double>(of_hits[static_cast<std::size_t>(least - 1)][i]);
+                };
+                const double exact = light(k) - light(k + 1);
+                gradient += k * exact;
+                remainder += ((std::pow(1 + h, k) - std::pow(1 - h, k)) / (2 * h) - k) * exact;
+                value += k * std::abs(exact);
+            }
+            const double difference = (static_cast<double>(up[i]) - static_cast<double>(down[i])) / (2 * h);
+            // Each of the values is rounded to float, by at most 2^-24 of it, and the difference divides this by 2 h.
+            CHECK(std::abs(difference - gradient - remainder) <= std::ldexp(value, -24) / (2 * h) * 2);
+            largest = std::max(largest, gradient);
+            third_order = std::max(third_order, remainder);
+        }
+    }
+    CHECK(largest > 0.01);
+    CHECK(third_order > 1e-5);  // some light met the floor three times
 }
 
 TEST_CASE("20 edits of an atlas agree with renders of the edited scenes, within their intervals",

@@ -19,10 +19,13 @@ Error split_error(const ExrImage& image, const std::string& message) {
     return error;
 }
 
-// Sums in raylex's own files are exact, and rounded once when they are stored.
+// Sums in raylex's own renders are exact, and rounded once when they are stored. `raylex mix` and `raylex denoise` add
+// attributes to images of other renderers too.
 double working_unit(const ExrImage& image) {
     const bool ours = std::any_of(image.attributes.begin(), image.attributes.end(), [](const auto& attribute) {
-        return attribute.first.starts_with("raylex/") || attribute.first.starts_with("lpe/");
+        const std::string_view name = attribute.first;
+        if (name.starts_with("raylex/mix") || name == "raylex/denoised") return false;
+        return name.starts_with("raylex/") || name.starts_with("lpe/");
     });
     return ours ? 0.0 : 0x1p-24;
 }

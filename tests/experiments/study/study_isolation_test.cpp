@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <string>
+#include <string_view>
 
 #include "experiments/study/results.h"
 #include "experiments/study/run/processes/child_process.h"
@@ -51,7 +52,7 @@ Experiment results_of(const Folder& folder) {
     return *std::move(read);
 }
 
-const StudyRun& run_of(const Experiment& results, const std::string& scene) {
+const StudyRun& run_of(const Experiment& results, std::string_view scene) {
     const auto found = std::find_if(results.runs.begin(), results.runs.end(),
                                     [&](const StudyRun& each) { return each.scene == scene; });
     REQUIRE(found != results.runs.end());

@@ -25,7 +25,7 @@ Study checked(const Experiment& experiment) {
     return *std::move(study);
 }
 
-const BiasEntry& entry_of(const Study& study, const std::string& variant, const std::string& channel) {
+const BiasEntry& entry_of(const Study& study, std::string_view variant, std::string_view channel) {
     for (const BiasEntry& each : study.bias)
         if (each.variant == variant && each.channel == channel) return each;
     FAIL("no verdict on " << variant << ", " << channel);
