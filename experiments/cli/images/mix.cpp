@@ -73,9 +73,9 @@ void add_mix_command(CLI::App& app, CommandContext& context) {
         ->required()
         ->option_text("(required)");
     command
-        ->add_option("LAYER=FACTOR", options->factors,
-                     "a layer, or the name of its light group, and its factor: 1.5; 1,0.8,0.6 for red, green and blue; "
-                     "+1stop; 0 removes the light")
+        ->add_option("FACTOR", options->factors,
+                     "LAYER=FACTOR: a layer, or the name of its light group, and its factor: 1.5; 1,0.8,0.6 for red, "
+                     "green and blue; +1stop; 0 removes the light")
         ->option_text("...");
     command->add_option("--mix", options->file, "more factors from the table [light] of a TOML file")
         ->option_text("FILE.toml");

@@ -50,8 +50,9 @@ CLI::Option* add_channel_files(CLI::App& command, ChannelArguments& arguments) {
 
 CLI::Option* add_channel_arguments(CLI::App& command, ChannelArguments& arguments) {
     add_channel_files(command, arguments);
+    // A name of CLI11 has no '='.
     return command
-        .add_option("NAME=EXPR", arguments.named, "channels NAME=EXPR and channel files; channels of files come first")
+        .add_option("CHANNEL", arguments.named, "channels NAME=EXPR and channel files; channels of files come first")
         ->option_text("...");
 }
 
