@@ -36,17 +36,16 @@ struct BasicRgb {
         b *= s;
         return *this;
     }
-    // clang warns about parameters with the name of a member, of friends too.
-    friend constexpr BasicRgb operator+(BasicRgb x, const BasicRgb& y) { return x += y; }
-    friend constexpr BasicRgb operator-(const BasicRgb& x, const BasicRgb& y) {
-        return {x.r - y.r, x.g - y.g, x.b - y.b};
+    friend constexpr BasicRgb operator+(BasicRgb a, const BasicRgb& b) { return a += b; }
+    friend constexpr BasicRgb operator-(const BasicRgb& a, const BasicRgb& b) {
+        return {a.r - b.r, a.g - b.g, a.b - b.b};
     }
-    friend constexpr BasicRgb operator*(BasicRgb x, const BasicRgb& y) { return x *= y; }
-    friend constexpr BasicRgb operator*(BasicRgb x, Real s) { return x *= s; }
-    friend constexpr BasicRgb operator*(Real s, BasicRgb x) { return x *= s; }
-    friend constexpr BasicRgb operator/(const BasicRgb& x, Real s) { return x * (Real(1) / s); }
-    friend constexpr BasicRgb operator/(const BasicRgb& x, const BasicRgb& y) {
-        return {x.r / y.r, x.g / y.g, x.b / y.b};
+    friend constexpr BasicRgb operator*(BasicRgb a, const BasicRgb& b) { return a *= b; }
+    friend constexpr BasicRgb operator*(BasicRgb a, Real s) { return a *= s; }
+    friend constexpr BasicRgb operator*(Real s, BasicRgb a) { return a *= s; }
+    friend constexpr BasicRgb operator/(const BasicRgb& a, Real s) { return a * (Real(1) / s); }
+    friend constexpr BasicRgb operator/(const BasicRgb& a, const BasicRgb& b) {
+        return {a.r / b.r, a.g / b.g, a.b / b.b};
     }
     constexpr bool operator==(const BasicRgb&) const = default;
 
