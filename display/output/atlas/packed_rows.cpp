@@ -62,7 +62,7 @@ class Decoder {
   private:
     exr_const_context_t context_;
     int part_;
-    exr_decode_pipeline_t pipeline_ = EXR_DECODE_PIPELINE_INITIALIZER;
+    exr_decode_pipeline_t pipeline_{};  // as EXR_DECODE_PIPELINE_INITIALIZER, about which clang warns
     exr_result_t result_ = EXR_ERR_SUCCESS;
 };
 
