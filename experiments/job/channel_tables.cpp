@@ -57,8 +57,9 @@ void read_layers(TomlTable& root, Job& job) {
     for (const toml::table* table : root.take_tables("layer")) {
         TomlTable reader(root.source(), *table, "a [[layer]] table");
         std::string name, channel, rule;
-        const bool whole =
-            reader.require("name", name) & reader.require("channel", channel) & reader.require("rule", rule);
+        bool whole = reader.require("name", name);
+        whole = reader.require("channel", channel) && whole;
+        whole = reader.require("rule", rule) && whole;
         reader.close();
         if (!whole) continue;
         auto layer = read_layer_request(name, channel, rule, reader.location());
