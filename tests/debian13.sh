@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Builds and tests raylex in a Debian 13 of its own: makes a chroot by debootstrap from the package mirror of this
-# machine's apt, installs the packages there, runs the short tests with warnings as errors, then the quickstart.
+# machine's apt, installs the packages there, runs the short tests with warnings as errors, then the quickstart, and
+# installs raylex's packages in a second Debian 13.
 #
 #   bash tests/debian13.sh [COMPILER...]     default g++; clang++ has a build folder of its own
 #
@@ -12,7 +13,7 @@ root=$(dirname "$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)")
 system=$root/build/debian13
 stop() { echo "debian13.sh: $*" >&2; exit 2; }
 case "${1:-}" in
-    -h | --help) sed -n '2,9s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    -h | --help) sed -n '2,10s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
 esac
 [ $# -gt 0 ] || set -- g++
 for compiler in "$@"; do
@@ -53,5 +54,18 @@ else
     failed=$((failed + 1))
     tail -n 30 "$system.quickstart.log"
 fi
+
+printf '\n== Debian 13: the packages\n'
+log=$system.packages.log
+if inside "$1" "cmake --build --preset release --target raylex_installed &&
+        cpack --config build/release/CPackConfig.cmake -B build/packages" >"$log" 2>&1; then
+    bash tests/packages.sh "$system/built/$1/packages" trixie >"$log" 2>&1
+fi
+grep -E '^(FAILED|SKIPPED|measured)' "$log"
+counts=$(tail -n 1 "$log" | grep -E '^[0-9]+ passed, [0-9]+ failed$') ||
+    { tail -n 30 "$log"; counts="0 passed, 1 failed"; }
+read -r ok _ bad _ <<<"$counts"
+passed=$((passed + ok)) failed=$((failed + bad))
+echo "$counts"
 echo "$passed passed, $failed failed, $skipped skipped"
 [ "$failed" -eq 0 ]
