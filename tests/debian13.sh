@@ -57,7 +57,8 @@ fi
 
 printf '\n== Debian 13: the packages\n'
 log=$system.packages.log
-if inside "$1" "cmake --build --preset release --target raylex_installed &&
+if inside "$1" "bash experiments/install_packages.sh dpkg-dev file &&
+        cmake --build --preset release --target raylex_installed &&
         cpack --config build/release/CPackConfig.cmake -B build/packages" >"$log" 2>&1; then
     bash tests/packages.sh "$system/built/$1/packages" trixie >"$log" 2>&1
 fi

@@ -42,10 +42,11 @@ void hit_of(const RTCRayHit& found, const Ray& ray, Hit& hit) {
 
 /// Embree ends the program if a coordinate of a ray is out of its range, in the world's space or an instance's.
 bool EmbreeScene::traceable(const Ray& ray) const {
-    const auto fits = [&](const Vec3& v) -> int {  // not bool: one branch for six comparisons
-        return (std::abs(v.x) <= ray_limit_) & (std::abs(v.y) <= ray_limit_) & (std::abs(v.z) <= ray_limit_);
+    // The number of coordinates within the range: one branch for six comparisons.
+    const auto fitting = [&](const Vec3& v) {
+        return (std::abs(v.x) <= ray_limit_) + (std::abs(v.y) <= ray_limit_) + (std::abs(v.z) <= ray_limit_);
     };
-    if ((fits(ray.origin) & fits(ray.direction)) != 0) [[likely]]
+    if (fitting(ray.origin) + fitting(ray.direction) == 6) [[likely]]
         return true;
     device_->untraced.fetch_add(1, std::memory_order_relaxed);
     return false;
