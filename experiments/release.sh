@@ -10,7 +10,7 @@ case "${1:-}" in -*) sed -n '2,4s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 2 ;; 
 out=${1:-build/release-$version}
 stop() { echo "release.sh: $1" >&2; exit 2; }
 [ -z "$(git status --porcelain)" ] || stop "files differ from the commit; commit or remove the changes"
-bash experiments/install_packages.sh dpkg-dev || exit 2
+bash experiments/install_packages.sh dpkg-dev file || exit 2
 mkdir -p "$out"
 out=$(cd "$out" && pwd)
 git archive --prefix="raylex-$version/" -o "$out/raylex-$version.tar.gz" HEAD
