@@ -42,7 +42,7 @@ class Callback {
 /// Releases Python's lock while it exists.
 struct Unlocked {
     Call call;
-    pybind11::gil_scoped_release released;
+    pybind11::gil_scoped_release released{};
 };
 
 }  // namespace raylex::python

@@ -186,9 +186,9 @@ TEST_CASE("consecutive rows are written together with the same result as one by 
                     services.write(depth, row, -1.0f);  // an invalid value leaves this one unchanged
                 bool all = true;
                 if (table == &at_once) {
-                    all = services.write(depth, rows, std::span<const float>(reals)) &
-                          services.write(color, rows, std::span<const Rgb>(colors)) &
-                          services.write(index, rows, std::span<const std::int32_t>(rows));
+                    all &= services.write(depth, rows, std::span<const float>(reals));
+                    all &= services.write(color, rows, std::span<const Rgb>(colors));
+                    all &= services.write(index, rows, std::span<const std::int32_t>(rows));
                 } else {
                     for (std::size_t i = 0; i < count; ++i) {
                         all &= services.write(depth, rows[i], reals[i]);

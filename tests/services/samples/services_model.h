@@ -269,11 +269,10 @@ inline double sample_value(const ModelRay& ray, int channel, std::size_t compone
 inline double pixel_value(const Model& model, const Program& program, const ChannelDefinition& definition, int channel,
                           int pixel, std::size_t component) {
     double sum = 0, weights = 0, picked = 0, nearest = infinity;
-    int seen = 0, samples = 0;
+    int seen = 0;
     for (int s = 0; s < samples_per_pixel; ++s) {
         const auto at = static_cast<std::size_t>(pixel * samples_per_pixel + s);
         if (program.discarded[program.rows[at].sample / block]) continue;
-        ++samples;
         const ModelRay& ray = model.rays[at];
         const auto weight = static_cast<double>(program.rows[at].filter_weight);
         weights += weight;

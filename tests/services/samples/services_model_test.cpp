@@ -48,7 +48,6 @@ class Services {
   public:
     Services(const Program& program, const std::vector<ChannelDefinition>& list, std::uint64_t order)
         : program_(program),
-          list_(list),
           random_(order),
           table_(list, rays),
           services_(table_),
@@ -172,7 +171,6 @@ class Services {
     }
 
     const Program& program_;
-    const std::vector<ChannelDefinition>& list_;
     Random random_;
     SampleTable table_;
     DisplayServices services_;
