@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # From a clone to pictures: installs missing packages, builds what renders, and shows a coarse picture of a still life,
 # which it refines while it builds the rest. Then it renders the still life and a colonnade in fog with all layers,
-# checks that the layers sum to the beauty, runs a small study of accuracy against time, and writes images, previews and
-# two HTML pages.
+# denoises them, checks that the layers still sum to the beauty, runs a small study of accuracy against time, and writes
+# images, previews and two HTML pages.
 #
 #   bash experiments/quickstart.sh [OUT]     OUT defaults to build/quickstart in the clone
 #
@@ -54,7 +54,7 @@ begun=$(date +%s.%N)
 stamp_of() { find "$program" "$here/quickstart/$1.toml" "$here/scenes/$1" -type f -print0 | sort -z | xargs -0 sha256sum | awk '{ print $1 }' | sha256sum | awk '{ print $1 }'; }
 study_stamp() { for scene in cornell-color mis-plates; do find "$program" "$here/studies/quickstart.toml" "$here/scenes/$scene" -type f -print0; done | sort -zu | xargs -0 sha256sum | awk '{ print $1 }' | sha256sum | awk '{ print $1 }'; }
 is_studied() { [ -x "$program" ] && [ "$(cat "$out/study.stamp" 2>/dev/null)" = "$(study_stamp)" ] && [ -f "$out/study/report.html" ]; }
-is_rendered() { [ -x "$program" ] && [ "$(cat "$out/$1.stamp" 2>/dev/null)" = "$(stamp_of "$1")" ] && [ -f "$out/$1.exr" ] && [ -f "$out/$1.png" ] && [ -f "$out/$1.json" ]; }
+is_rendered() { [ -x "$program" ] && [ "$(cat "$out/$1.stamp" 2>/dev/null)" = "$(stamp_of "$1")" ] && [ -f "$out/$1.exr" ] && [ -f "$out/$1.png" ] && [ -f "$out/$1.noisy.png" ] && [ -f "$out/$1.json" ]; }
 
 free_megabytes=$(df -Pm "$out" | awk 'NR == 2 { print $4 }')
 [ -x "$program" ] || [ "${free_megabytes:-$needed_megabytes}" -ge "$needed_megabytes" ] ||
@@ -148,12 +148,14 @@ for scene in "${scenes[@]}"; do
         say "$scene: already rendered from these inputs"
         renders+=", $scene kept"
     else
-        keep_earlier "$base.exr" "$base.png" "$base.json" "$base.stamp"
+        keep_earlier "$base.exr" "$base.png" "$base.noisy.png" "$base.json" "$base.stamp"
         say "Rendering $scene ..."
-        "$program" render "$here/quickstart/$scene.toml" -o "$base.exr" --preview "$base.png" --stats "$base.json"
+        "$program" render "$here/quickstart/$scene.toml" --spp 100 --denoise --keep-noisy -o "$base.exr" \
+            --preview "$base.noisy.png" --stats "$base.json"
         status=$?
         [ $status -ne 130 ] || interrupted
         [ $status -le 1 ] || stop "rendering $scene failed"
+        "$program" preview "$base.exr" -o "$base.png" || stop "the picture of $scene could not be made"
         printf '%s\n' "$stamp" >"$base.stamp"
         renders+=", $scene $(seconds_since "$started") s"
         made+=("$base.exr")
@@ -199,7 +201,7 @@ say "Times: build $build_seconds s$renders."
 say "Made:"
 for scene in "${scenes[@]}"; do
     say "  $out/$scene.exr    beauty, layers and geometry in one multi-part OpenEXR"
-    say "  $out/$scene.png    beauty through the display's view"
+    say "  $out/$scene.png    the denoised beauty through the display's view; $scene.noisy.png: before denoising"
 done
 say "  $page    every layer side by side"
 say "  $study/report.html    error against time, with intervals; its images and tables beside it"
