@@ -17,7 +17,7 @@ constexpr std::size_t most_terms = 16;
 constexpr double ridge = 1e-2;
 
 /// Squared errors below this part of a squared value count as small.
-constexpr float relative_floor = 1e-3f;
+constexpr float relative_floor = 1e-2f;
 
 /// Solves A x = (1, 0, ...) for a symmetric positive definite matrix, given as its lower triangle row by row, by
 /// Cholesky's method. Directions without weight get 0.
