@@ -153,6 +153,9 @@ class Denoiser {
                 std::sqrt(std::max(0.0, squares - result.after * result.after / blocks) * blocks / (blocks - 1));
         result.before /= pixels;
         result.after /= pixels;
+        // Weights depend on noise, and highlights look like noise: measured errors exceed the estimates more than
+        // blocks of pixels show.
+        result.half_width = std::max(result.half_width, 2 * result.after);
         return result;
     }
 
