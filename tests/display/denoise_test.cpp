@@ -139,6 +139,25 @@ TEST_CASE("a feature keeps an edge that the noise of a layer hides") {
     CHECK(squared_error(guided.layers[0], edge) < 0.5 * squared_error(plain.layers[0], edge));
 }
 
+TEST_CASE("an edge whose stated variance comes from its own change keeps its pixels") {
+    constexpr int samples = 64;
+    const auto coverage = [](int x, int y) {
+        return std::clamp(0.5f + static_cast<float>(x) - 30 - 0.37f * static_cast<float>(y), 0.0f, 1.0f);
+    };
+    NoisyImage image;
+    image.width = denoised_width;
+    image.height = denoised_height;
+    image.layers = {noisy_layer(7, 0, coverage)};
+    double stated = 0;
+    for (std::size_t i = 0; i < denoised_pixels; ++i) {
+        const float value = image.layers[0].values[0][i], variance = value * (1 - value) / samples;
+        for (std::vector<float>& plane : image.layers[0].variance) plane[i] = variance;
+        stated += static_cast<double>(variance) / denoised_pixels;
+    }
+    denoise(image, 2);
+    CHECK(squared_error(image.layers[0], coverage) < 0.02 * stated);
+}
+
 TEST_CASE("layers without a partition take the step of the beauty, so that sums nobody declared hold") {
     NoisyImage image = noisy_image();
     image.sums.clear();

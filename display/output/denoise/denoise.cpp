@@ -8,6 +8,7 @@
 
 #include "display/buffer/pixel_image.h"
 #include "display/output/denoise/layer_sums.h"
+#include "display/output/denoise/settled_variance.h"
 #include "display/output/denoise/tile_filter.h"
 #include "display/services/thread_or_none.h"
 
@@ -32,56 +33,6 @@ void on_threads(std::size_t count, int threads, const Work& work) {
         if (each.joinable()) each.join();
 }
 
-/// Means over windows inside the image, one direction after the other.
-std::vector<float> window_means(const std::vector<float>& plane, int width, int height, int radius) {
-    std::vector<float> rows(plane.size()), result(plane.size());
-    const auto pass = [&](const std::vector<float>& from, std::vector<float>& to, int length, int step, int lines,
-                          int line_step) {
-        for (int line = 0; line < lines; ++line)
-            for (int i = 0; i < length; ++i) {
-                const int first = std::max(0, i - radius), last = std::min(length - 1, i + radius);
-                float sum = 0;
-                for (int k = first; k <= last; ++k) sum += from[static_cast<std::size_t>(line * line_step + k * step)];
-                to[static_cast<std::size_t>(line * line_step + i * step)] = sum / static_cast<float>(last - first + 1);
-            }
-    };
-    pass(plane, rows, width, 1, height, width);
-    pass(rows, result, height, width, width, 1);
-    return result;
-}
-
-/// Estimates of variance are as noisy as the pixels and assume independent samples. They are averaged with their
-/// neighbours, and bounded by what the pixels show: Sobol' points often leave less noise than independent ones, and
-/// neighbouring pixels differ at least by their noise.
-void settle_variance(const std::vector<float>& values, std::vector<float>& variance, int width, int height) {
-    if (width < 2 || height < 2) return;  // a single row has no neighbours in both directions
-    constexpr int radius = 3;
-    const auto at = [&](int x, int y) {
-        return values[static_cast<std::size_t>(std::clamp(y, 0, height - 1) * width + std::clamp(x, 0, width - 1))];
-    };
-    std::vector<float> differences(values.size()), shown;
-    // The squares of the coefficients sum to 1.5, and the least of four means of noise is 0.8 times their expectation.
-    constexpr float shown_per_variance = 1.5f * 0.8f;
-    constexpr std::array<std::array<int, 2>, 4> directions{{{1, 0}, {0, 1}, {1, 1}, {1, -1}}};
-    for (const auto& [dx, dy] : directions) {  // an edge is smooth along itself
-        for (int y = 0; y < height; ++y)
-            for (int x = 0; x < width; ++x) {
-                const float d = at(x, y) - 0.5f * (at(x - dx, y - dy) + at(x + dx, y + dy));
-                differences[static_cast<std::size_t>(y * width + x)] = d * d / shown_per_variance;
-            }
-        std::vector<float> means = window_means(differences, width, height, radius);
-        if (shown.empty()) shown = std::move(means);
-        else
-            for (std::size_t i = 0; i < shown.size(); ++i) shown[i] = std::min(shown[i], means[i]);
-    }
-    const std::vector<float> stated = window_means(variance, width, height, radius),
-                             near = window_means(variance, width, height, 1);
-    for (std::size_t i = 0; i < variance.size(); ++i) {
-        variance[i] = 0.5f * (variance[i] + near[i]);
-        if (shown[i] < stated[i]) variance[i] *= shown[i] / stated[i];
-    }
-}
-
 /// The result for one tile: of each layer three planes, and the squared error.
 class Denoiser {
   public:
@@ -96,9 +47,14 @@ class Denoiser {
     std::vector<LayerError> run(int threads) {
         const int columns = (image_.width + tile_size - 1) / tile_size,
                   rows = (image_.height + tile_size - 1) / tile_size;
-        on_threads(3 * image_.layers.size(), threads, [&](std::size_t i) {
-            NoisyLayer& layer = image_.layers[i / 3];
-            settle_variance(layer.values[i % 3], layer.variance[i % 3], image_.width, image_.height);
+        const std::size_t planes = 3 * image_.layers.size();
+        on_threads(planes + image_.features.size(), threads, [&](std::size_t i) {
+            const bool is_light = i < planes;
+            std::vector<float>& values =
+                is_light ? image_.layers[i / 3].values[i % 3] : image_.features[i - planes].values;
+            settle_variance(values,
+                            is_light ? image_.layers[i / 3].variance[i % 3] : image_.features[i - planes].variance,
+                            image_.width, image_.height);
         });
         on_threads(static_cast<std::size_t>(columns * rows), threads, [&](std::size_t i) {
             const int x = static_cast<int>(i) % columns * tile_size, y = static_cast<int>(i) / columns * tile_size;
@@ -197,6 +153,9 @@ class Denoiser {
                 std::sqrt(std::max(0.0, squares - result.after * result.after / blocks) * blocks / (blocks - 1));
         result.before /= pixels;
         result.after /= pixels;
+        // Weights depend on noise, and highlights look like noise: measured errors exceed the estimates more than
+        // blocks of pixels show.
+        result.half_width = std::max(result.half_width, 2 * result.after);
         return result;
     }
 

@@ -228,10 +228,8 @@ class ImageDenoiser {
                 noisy.variance[p] = statistics_.variance(layer, p, values);
                 // Squares of larger values are no floats.
                 constexpr float most = 1e15f;
-                const auto small = [](float value) { return std::abs(value) <= most; };
-                if (!std::all_of(values.begin(), values.end(), small) ||
-                    !std::all_of(noisy.variance[p].begin(), noisy.variance[p].end(),
-                                 [](float value) { return value >= 0 && value <= most * most; }))
+                if (!std::ranges::all_of(values, [](float value) { return std::abs(value) <= most; }) ||
+                    !std::ranges::all_of(noisy.variance[p], [](float v) { return v >= 0 && v <= most * most; }))
                     return image_error(image_, "the layer '" + name_in_text(layer.name) +
                                                    "' has values that are not finite or above 1e15, or a negative "
                                                    "variance; expected none");
@@ -240,10 +238,9 @@ class ImageDenoiser {
             }
         }
         const auto is_zero = [](const std::vector<float>& plane) {
-            return std::all_of(plane.begin(), plane.end(), [](float value) { return value == 0; });
+            return std::ranges::all_of(plane, [](float value) { return value == 0; });
         };
-        const auto& variance = noisy_.layers.front().variance;
-        if (std::all_of(variance.begin(), variance.end(), is_zero))
+        if (std::ranges::all_of(noisy_.layers.front().variance, is_zero))
             return image_error(image_, "the variance of '" + names_.front() +
                                            "' is 0 everywhere; expected at least two "
                                            "samples a pixel, or a second image of other random numbers");
@@ -271,10 +268,9 @@ class ImageDenoiser {
             error.planes.push_back({error.name, StoredType::single_float, std::move(denoised.variance[0])});
         }
         std::set<std::string> obsolete;
-        for (const std::string& name : names_)
-            for (const char* suffix : statistic_suffixes) obsolete.insert(name + suffix);
-        for (const std::string& name : result_.features)
-            for (const char* suffix : statistic_suffixes) obsolete.insert(name + suffix);
+        for (const std::vector<std::string>* names : {&names_, &result_.features})
+            for (const std::string& name : *names)
+                for (const char* suffix : statistic_suffixes) obsolete.insert(name + suffix);
         if (!options_.keep_noisy)
             std::erase_if(image_.layers, [&](ImageLayer& layer) {
                 if (!obsolete.contains(layer.name)) return false;
@@ -371,13 +367,11 @@ ExrEdit edit_of(const ExrImage& image, const DenoisedImage& denoised) {
     for (const std::string& name : denoised.added) edit.added.push_back(part_of(*image.layer(name), image.width));
     edit.attributes = denoised.attributes;
     edit.drops_attribute = [&denoised](const std::string& name) {
-        return std::any_of(denoised.removed.begin(), denoised.removed.end(),
-                           [&](const ImageLayer& layer) {
-                               return name == "rule/" + layer.name || name == "storage/" + layer.name ||
-                                      name == "statistics/" + layer.name;
-                           }) ||
-               std::any_of(denoised.layers.begin(), denoised.layers.end(),
-                           [&](const DenoisedLayer& layer) { return name == "storage/" + layer.name; });
+        const auto is_of = [&](const auto& layer) { return name == "storage/" + layer.name; };
+        return std::ranges::any_of(denoised.layers, is_of) ||
+               std::ranges::any_of(denoised.removed, [&](const ImageLayer& layer) {
+                   return is_of(layer) || name == "rule/" + layer.name || name == "statistics/" + layer.name;
+               });
     };
     return edit;
 }

@@ -17,7 +17,10 @@ constexpr std::size_t most_terms = 16;
 constexpr double ridge = 1e-2;
 
 /// Squared errors below this part of a squared value count as small.
-constexpr float relative_floor = 1e-3f;
+constexpr float relative_floor = 1e-2f;
+
+/// The square of the light that a window may lose, relative to the variance of its sum.
+constexpr float most_loss = 1;
 
 /// Solves A x = (1, 0, ...) for a symmetric positive definite matrix, given as its lower triangle row by row, by
 /// Cholesky's method. Directions without weight get 0.
@@ -136,30 +139,39 @@ TileEstimate TileFilter::noisy(std::size_t layer) const {
     return result;
 }
 
+/// The weighted sums of a plane, for all pixels of estimated_.
+std::vector<float> TileFilter::apply(const std::vector<float>& plane) const {
+    constexpr int margin = search_radius + patch_radius;
+    const std::size_t area = static_cast<std::size_t>(width_ * height_);
+    std::vector<float> result(area);
+    for (std::size_t k = 0; k < searched; ++k) {
+        const int dx = static_cast<int>(k) % side_of_search - search_radius,
+                  dy = static_cast<int>(k) / side_of_search - search_radius;
+        for (int y = 0; y < height_; ++y) {
+            const float* from = &plane[static_cast<std::size_t>((y + margin + dy) * stride_ + margin + dx)];
+            const std::size_t row = static_cast<std::size_t>(y * width_);
+            const float* weights = &weights_[k * area + row];
+            float* to = &result[row];
+            for (int x = 0; x < width_; ++x) to[x] += weights[x] * from[x];
+        }
+    }
+    return result;
+}
+
 /// With the filter y = W u of pixels u of variance v, the step t has the risk t^2 |y - u|^2 + v - 2 t (v - W_ii v).
+/// A window that loses more light than noise explains is a highlight, and takes a shorter step.
 TileEstimate TileFilter::estimate(std::size_t layer, const TileEstimate* guide) const {
     const LayerPlanes planes = cut(layer);
     const std::size_t area = static_cast<std::size_t>(width_ * height_);
     constexpr int margin = search_radius + patch_radius;
-    std::array<std::vector<float>, 3> filtered;
+    std::array<std::vector<float>, 3> filtered, lost;
     for (std::size_t c = 0; c < 3; ++c) {
-        filtered[c].resize(area);
-        for (std::size_t k = 0; k < searched; ++k) {
-            const int dx = static_cast<int>(k) % side_of_search - search_radius,
-                      dy = static_cast<int>(k) / side_of_search - search_radius;
-            for (int y = 0; y < height_; ++y) {
-                const float* from =
-                    &planes.values[c][static_cast<std::size_t>((y + margin + dy) * stride_ + margin + dx)];
-                const std::size_t row = static_cast<std::size_t>(y * width_);
-                const float* weights = &weights_[k * area + row];
-                float* to = &filtered[c][row];
-                for (int x = 0; x < width_; ++x) to[x] += weights[x] * from[x];
-            }
-        }
+        filtered[c] = apply(planes.values[c]);
+        lost[c].resize(area);
     }
     // Risks are averaged relative to each pixel's noise and value: otherwise the brightest pixel decides for its
     // window.
-    std::vector<float> change(area), noise(area), kept(area), counted(area), scale(area);
+    std::vector<float> change(area), noise(area), kept(area), counted(area), scale(area), total(area);
     for (int y = 0; y < height_; ++y)
         for (int x = 0; x < width_; ++x) {
             const auto i = static_cast<std::size_t>(y * width_ + x),
@@ -168,30 +180,32 @@ TileEstimate TileFilter::estimate(std::size_t layer, const TileEstimate* guide) 
             counted[i] = 1;
             float square = 0;
             for (std::size_t c = 0; c < 3; ++c) {
-                const float step = filtered[c][i] - planes.values[c][at];
-                change[i] += step * step;
-                noise[i] += planes.variance[c][at];
+                lost[c][i] = planes.values[c][at] - filtered[c][i];
+                change[i] += lost[c][i] * lost[c][i];
+                total[i] += planes.variance[c][at];
                 square += planes.values[c][at] * planes.values[c][at] + filtered[c][i] * filtered[c][i];
             }
-            scale[i] = noise[i] + relative_floor * square + 1e-30f;
-            kept[i] = noise[i] * std::min(1.0f, weights_[searched / 2 * area + i]) / scale[i];
+            scale[i] = total[i] + relative_floor * square + 1e-30f;
             change[i] /= scale[i];
-            noise[i] /= scale[i];
+            noise[i] = total[i] / scale[i];
+            kept[i] = noise[i] * std::min(1.0f, weights_[searched / 2 * area + i]);
         }
-    std::vector<float> changes = summed(change), noises = summed(noise), self = summed(kept);
-    const std::vector<float> counts = summed(counted);
-    for (std::vector<float>* sums : {&changes, &noises, &self})
-        for (std::size_t i = 0; i < sums->size(); ++i) (*sums)[i] /= counts[i];
+    const std::vector<float> counts = summed(counted), totals = summed(total);
+    for (std::vector<float>* plane : {&change, &noise, &kept, &lost[0], &lost[1], &lost[2]}) *plane = summed(*plane);
     TileEstimate result = noisy(layer);
     for (int y = 0; y < kept_.height(); ++y)
         for (int x = 0; x < kept_.width(); ++x) {
             const auto i = static_cast<std::size_t>(y * kept_.width() + x),
                        j = static_cast<std::size_t>((y + risk_radius) * width_ + x + risk_radius);
-            const float gain = std::max(0.0f, noises[i] - self[i]);
-            const float t = guide != nullptr ? guide->step[i] : changes[i] > gain ? gain / changes[i] : 1.0f;
+            const float changed = change[i] / counts[i], before = noise[i] / counts[i], self = kept[i] / counts[i];
+            const float gain = std::max(0.0f, before - self);
+            float t = changed > gain ? gain / changed : 1.0f, loss = 0;
+            for (const std::vector<float>& plane : lost) loss += std::max(0.0f, plane[i]) * std::max(0.0f, plane[i]);
+            if (t * t * loss > most_loss * totals[i]) t = std::sqrt(most_loss * totals[i] / loss);
+            if (guide != nullptr) t = guide->step[i];
             result.step.push_back(t);
             for (std::size_t c = 0; c < 3; ++c) result.values[c][i] += t * (filtered[c][j] - result.values[c][i]);
-            result.risk[i] = scale[j] * std::max(self[i], t * t * changes[i] + noises[i] - 2 * t * gain);
+            result.risk[i] = scale[j] * std::max(self, t * t * changed + before - 2 * t * gain);
         }
     return result;
 }
