@@ -65,11 +65,11 @@ class PassPlanner {
                 if (!pass.expression.empty()) others.push_back(pass.expression);
             plan_.passes[*rest_].expression = without("C.*", others);
         }
-        return check_depths();
+        return check_traits();
     }
 
     /// Returns the expression of what a pass takes: a layer, a light group, or an expression.
-    [[nodiscard]] Result<std::string> class_of(const PassRequest& request) const {
+    [[nodiscard]] Result<std::string> class_of(const PassRequest& request) {
         const std::string who = "the pass '" + request.method.type + "' takes '" + request.takes + "', ";
         for (const ChannelDefinition& channel : channels_.channels) {
             if (channel.name != request.takes || channel.style != ChannelStyle::expression) continue;
@@ -91,6 +91,9 @@ class PassPlanner {
         take_dialect_mark(source.expression, source.dialect);
         auto expansion = lpe::expand_names(source, job_.macros);
         if (!expansion) return expansion.error();
+        auto warnings = lpe::expression_warnings(expansion->source, words_.words);
+        if (!warnings) return warnings.error();
+        plan_.notes.insert(plan_.notes.end(), warnings->begin(), warnings->end());
         return checked(request, who, expansion->source);
     }
 
@@ -106,19 +109,22 @@ class PassPlanner {
         return split_prefixes(source.expression).second;
     }
 
-    /// All methods must follow paths of the same length: otherwise one of them misses the longest paths of its class.
-    [[nodiscard]] Status check_depths() const {
-        std::optional<std::int64_t> first;
+    /// All methods must have the same paths: otherwise one of them misses the longest paths of its class, for example.
+    [[nodiscard]] Status check_traits() const {
+        transport::IntegratorTraits first;
         for (std::size_t i = 0; i < plan_.passes.size(); ++i) {
             auto chosen = transport::choose_integrator(plan_.passes[i].method, job_.settings.paths.max_depth);
             if (!chosen) return chosen.error();
-            const std::optional<std::int64_t> depth = chosen->integrator->traits().max_depth;
-            if (i > 0 && depth != first)
+            const transport::IntegratorTraits traits = chosen->integrator->traits();
+            const std::string who = "the passes '" + plan_.passes[0].name + "' and '" + plan_.passes[i].name + "' ";
+            if (i > 0 && traits.max_depth != first.max_depth)
                 return error_at(job_.passes[i].location,
-                                "the passes '" + plan_.passes[0].name + "' and '" + plan_.passes[i].name +
-                                    "' have paths of different lengths, so one of them misses paths",
+                                who + "have paths of different lengths, so one of them misses paths",
                                 "--max-depth sets the length for all passes");
-            first = depth;
+            if (i > 0 && traits.regularizes != first.regularizes)
+                return error_at(job_.passes[i].location,
+                                who + "differ in 'regularize', which changes paths; expected one value for all passes");
+            if (i == 0) first = traits;
         }
         return success();
     }

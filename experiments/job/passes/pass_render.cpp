@@ -111,7 +111,12 @@ class PassRenderer {
 
   private:
     Status render(std::size_t index) {
-        const RenderSettings settings = settings_of(job_, plan_, index);
+        RenderSettings settings = settings_of(job_, plan_, index);
+        if (const auto next = settings.before_rendering; next)
+            settings.before_rendering = [&, next](const transport::RenderPlan& of_pass,
+                                                  std::vector<display::SampleSink*>& sinks) {
+                return next(plan_of_sum(of_pass), sinks);
+            };
         std::vector<const PassImage*> finished;
         for (const std::size_t each : rendered_) finished.push_back(&*images_[each]);
         const auto report = [&](const RenderProgress& now) { this->report(now, index, settings, finished); };
@@ -125,6 +130,22 @@ class PassRenderer {
         keep(index, *std::move(output));
         rendered_.push_back(index);
         return success();
+    }
+
+    /// The plan of the pass with the AOVs, with the channels of the sum and the memory of the other passes.
+    transport::RenderPlan plan_of_sum(const transport::RenderPlan& of_pass) {
+        channels_ = channels_of_sum(of_pass.channels, job_);
+        transport::RenderPlan all = of_pass;
+        all.channels = channels_;
+        const display::FrameBufferLayout layout{.width = of_pass.width, .height = of_pass.height};
+        for (const PlannedPass& pass : plan_.passes) {
+            if (pass.has_aovs) continue;
+            std::vector<ChannelDefinition> channels = pass.channels;
+            channels.push_back(channels_.front());  // the beauty
+            all.memory.push_back(
+                {"the pass " + pass.name, display::total_bytes(display::frame_buffer_memory(layout, channels))});
+        }
+        return all;
     }
 
     void keep(std::size_t index, RenderOutput output) {
