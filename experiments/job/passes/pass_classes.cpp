@@ -45,20 +45,20 @@ std::pair<std::string, std::string> split_prefixes(const std::string& expression
     return {expression.substr(0, end), expression.substr(end)};
 }
 
-std::string any_of(const std::vector<std::string>& expressions) {
+std::string any_path_of(const std::vector<std::string>& expressions) {
     if (expressions.size() == 1) return expressions.front();
     std::string text;
     for (const std::string& each : expressions) text += (text.empty() ? "" : "|") + enclosed(each);
     return text;
 }
 
-std::string without(const std::string& whole, const std::vector<std::string>& others) {
-    return others.empty() ? whole : enclosed(whole) + "-" + enclosed(any_of(others));
+std::string paths_without(const std::string& whole, const std::vector<std::string>& others) {
+    return others.empty() ? whole : enclosed(whole) + "-" + enclosed(any_path_of(others));
 }
 
-display::ChannelDefinition within(const display::ChannelDefinition& channel,
-                                  const std::vector<display::ChannelDefinition>& channels,
-                                  const std::string& of_class) {
+display::ChannelDefinition channel_within(const display::ChannelDefinition& channel,
+                                          const std::vector<display::ChannelDefinition>& channels,
+                                          const std::string& of_class) {
     display::ChannelDefinition part = channel;
     part.rest_of.clear();
     if (channel.rest_of.empty()) {
@@ -69,7 +69,7 @@ display::ChannelDefinition within(const display::ChannelDefinition& channel,
     std::vector<std::string> members;
     for (const std::size_t member : channel.rest_of)
         members.push_back(split_prefixes(channels[member].expression).second);
-    part.expression = both(without("C.*", members), of_class);
+    part.expression = both(paths_without("C.*", members), of_class);
     return part;
 }
 
@@ -89,9 +89,9 @@ Result<std::optional<MissedPath>> find_missed_path(const std::string& of_class, 
     const std::vector<std::string> omitted = omitted_by(chosen->name, method, scene);
     std::optional<MissedPath> missed;
     if (omitted.empty()) return missed;
-    const std::string own = both(of_class, any_of(omitted));
+    const std::string own = both(of_class, any_path_of(omitted));
     for (const std::string other : {"path", "lighttracer", "bdpt"}) {
-        auto found = path_in(without(own, omitted_by(other, {}, scene)), words);
+        auto found = path_in(paths_without(own, omitted_by(other, {}, scene)), words);
         if (!found) return found.error();
         if (!*found) continue;
         const bool is_shorter = missed && (*found)->events.size() < missed->witness.events.size();

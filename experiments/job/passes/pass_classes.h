@@ -18,13 +18,14 @@ namespace raylex::experiments {
 std::pair<std::string, std::string> split_prefixes(const std::string& expression);
 
 /// Returns an expression of the paths that at least one of the expressions accepts.
-std::string any_of(const std::vector<std::string>& expressions);
+std::string any_path_of(const std::vector<std::string>& expressions);
 /// Returns an expression of the paths of `whole` that none of the others accepts.
-std::string without(const std::string& whole, const std::vector<std::string>& others);
+std::string paths_without(const std::string& whole, const std::vector<std::string>& others);
 
 /// Returns the channel restricted to a class. `channels` are those that its `rest_of` names; the result has none.
-display::ChannelDefinition within(const display::ChannelDefinition& channel,
-                                  const std::vector<display::ChannelDefinition>& channels, const std::string& of_class);
+display::ChannelDefinition channel_within(const display::ChannelDefinition& channel,
+                                          const std::vector<display::ChannelDefinition>& channels,
+                                          const std::string& of_class);
 
 /// A path that a method does not sample, and the methods that do.
 struct MissedPath {

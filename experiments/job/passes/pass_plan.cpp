@@ -63,7 +63,7 @@ class PassPlanner {
             std::vector<std::string> others;
             for (const PlannedPass& pass : plan_.passes)
                 if (!pass.expression.empty()) others.push_back(pass.expression);
-            plan_.passes[*rest_].expression = without("C.*", others);
+            plan_.passes[*rest_].expression = paths_without("C.*", others);
         }
         return check_traits();
     }
@@ -210,7 +210,7 @@ class PassPlanner {
             PlannedPass& last = joined.back();
             plan_.notes.push_back("the passes '" + last.name + "' and '" + pass.name +
                                   "' are joined: the methods are equal");
-            last.expression = any_of({last.expression, pass.expression});
+            last.expression = any_path_of({last.expression, pass.expression});
             last.takes += " and " + pass.takes;
             last.time_share += pass.time_share;
             last.has_aovs = last.has_aovs || pass.has_aovs;
@@ -259,7 +259,7 @@ class PassPlanner {
                     if (pass.has_aovs) pass.channels.push_back(channel);
                     continue;
                 }
-                ChannelDefinition part = within(channel, channels_.channels, pass.expression);
+                ChannelDefinition part = channel_within(channel, channels_.channels, pass.expression);
                 lpe::ChannelSource source{.name = part.name, .expression = part.expression};
                 auto path = lpe::find_path_string(source, words_.words);
                 if (!path) return path.error();

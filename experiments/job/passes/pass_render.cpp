@@ -62,7 +62,7 @@ std::vector<ChannelDefinition> channels_of_sum(std::span<const ChannelDefinition
     return channels;
 }
 
-void add_statistics(RenderStatistics& sum, const RenderStatistics& of) {
+void add_pass_statistics(RenderStatistics& sum, const RenderStatistics& of) {
     const auto add = [&](auto... member) { ((sum.*member += of.*member), ...); };
     using S = RenderStatistics;
     add(&S::prepare_seconds, &S::prepare_cpu_seconds, &S::pilot_rays, &S::render_seconds, &S::render_cpu_seconds,
@@ -159,7 +159,7 @@ class PassRenderer {
             sum_.emplace(std::move(output));
             return;
         }
-        add_statistics(sum_->statistics, output.statistics);
+        add_pass_statistics(sum_->statistics, output.statistics);
         sum_->sums.rejected += output.sums.rejected;
         sum_->sums.light_magnitude += output.sums.light_magnitude;
         sum_->samples.complete = sum_->samples.complete && output.samples.complete;
