@@ -210,7 +210,7 @@ TEST_CASE("Passes: the bits depend neither on threads nor on layers", "[passes]"
     CHECK(one.output.statistics.camera_samples == 18 * 18 * 24);
     // Law 2, up to the rounding of sums over the lobes of a path
     std::string layers = "[channels]\nshipped_partition = true\naovs = ['Nn', 'z']\n";
-    for (int i = 0; i < 6; ++i) layers += channel("c" + std::to_string(i), "C.{" + std::to_string(i) + "}[LOB]");
+    for (int i = 0; i < 6; ++i) layers += channel("c" + std::to_string(i), "C.{" + std::to_string(i + 1) + "}[LOB]");
     const JobOutput with_layers = plan_of(scene, passes + layers).rendered();
     const std::vector<double> a = values_of(one, "beauty"), b = values_of(with_layers, "beauty");
     double worst = 0;
@@ -226,7 +226,7 @@ TEST_CASE("Passes: the sum agrees with one method, layer by layer", "[passes][st
     constexpr int seeds = 12;
     std::vector<std::string> names;
     std::string layers;
-    for (const char* each : {"C[<L.>O]", "CB", "C<RD>[LB]", "C<RD>.+[LB]", "C<RS>.*", "C<T.>.*", "C.*B", "C.*L-C.*B"}) {
+    for (const char* each : {"C<RD>[LB]", "C<RD>.+[LB]", "C<RS>.*", "C<T.>.*", "C.+B", "C.+L-C.+B"}) {
         names.push_back("c" + std::to_string(names.size()));
         layers += channel(names.back(), each);
     }
@@ -254,7 +254,7 @@ TEST_CASE("Passes: the sum agrees with one method, layer by layer", "[passes][st
     const std::string passes =
         GENERATE_COPY(pass("path", "C<RD>?[LB]", "spp = 64\n") + pass("bdpt", "rest", "spp = 64\n"),
                       pass("bdpt", "rest", "spp = 64\n") + pass("lighttracer", "C<RD><RS>.*[LB]", "spp = 256\n"),
-                      pass("path", "CB|(C<RD><RD>B)", "spp = 64\n") + pass("bdpt", "rest", "spp = 64\n") +
+                      pass("path", "(CB)|(C<RD><RD>B)", "spp = 64\n") + pass("bdpt", "rest", "spp = 64\n") +
                           pass("lighttracer", "C<RD>(.*<RD>)?(L-B)", "spp = 256\n"));
     const Replicates summed = means(plan_of(many_lights(), "[render]\nmax_depth = 4\n" + passes + layers), 500);
     check_agreement(plain, summed, names);
@@ -324,7 +324,7 @@ TEST_CASE("Passes: what they do not support is refused by name", "[passes]") {
     refused(two + channel("albedo", "nothruput;overwrite;C<.S>*((U2L)|O)"), "channel 'albedo' has");
     refused(two + pass("path", "rest"), "two passes take the rest");
     refused(two + pass("path", "noclamp;CL"), "prefix noclamp");
-    refused(two + pass("path", "C<RD"), "C<RD");
+    refused(two + pass("path", "C<RD"), "job.toml");
     refused(pass("path", "rest", "maxdepth = 3\n") + pass("bdpt", "C<RD>.*"), "paths of different lengths");
     refused(pass("path", "rest", "strateg = 'mis'\n") + pass("bdpt", "C<RD>.*"), "strateg");
     refused(pass("pth", "rest"), "pth");

@@ -85,7 +85,8 @@ Result<PassRequest> parse_pass(const std::string& text, const SourceLocation& wh
         if (last == std::string::npos || last == 0) break;
         const std::string item = pass.takes.substr(last + 1);
         const std::size_t equals = item.find('=');
-        if (equals == std::string::npos || !is_key(item.substr(0, equals))) break;
+        const bool is_of_label = item.find('\'') != std::string::npos;
+        if (equals == std::string::npos || is_of_label || !is_key(item.substr(0, equals))) break;
         if (Status set = set_pass_key(pass, item.substr(0, equals), item.substr(equals + 1), where); !set)
             return set.error();
         pass.takes.resize(last);
