@@ -8,7 +8,7 @@
 
 #include "display/services/parameters.h"
 #include "experiments/job/output_requests.h"
-#include "experiments/job/passes/pass_request.h"
+#include "experiments/job/pass_request.h"
 #include "lpe/channels/channel_file.h"
 #include "lpe/event.h"
 #include "lpe/language/names.h"

@@ -1,4 +1,4 @@
-#include "experiments/job/passes/pass_request.h"
+#include "experiments/job/pass_request.h"
 
 #include <algorithm>
 #include <cctype>
