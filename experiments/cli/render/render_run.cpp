@@ -47,6 +47,7 @@ class RenderRun {
 
     int run() {
         at_once_.emplace("raylex: interrupted before anything was rendered; no file was written\n");
+        if (Status possible = begin_passes(job_); !possible) return report_error(possible.error());
         if (job_.shard) return run_shard();
         if (job_.settings.samples.only) {
             for (std::optional<int> (RenderRun::*step)() : {&RenderRun::load, &RenderRun::build, &RenderRun::plan})
@@ -69,6 +70,7 @@ class RenderRun {
     /// Estimates the cost of all samples.
     std::optional<int> estimate(bool calibrate, RenderEstimate& estimate) {
         quiet_ = true;
+        if (Status possible = begin_passes(job_); !possible) return report_error(possible.error());
         for (std::optional<int> (RenderRun::*step)() : {&RenderRun::load, &RenderRun::build, &RenderRun::plan})
             if (const std::optional<int> code = (this->*step)()) return code;
         if (Status possible = check_shardable(job_, loaded_->scene); !possible) return report_error(possible.error());
@@ -150,7 +152,6 @@ class RenderRun {
 
     Step load() {
         const PhaseClock clock;
-        if (Status possible = begin_passes(job_); !possible) return report_error(possible.error());
         LoadingLine loading;
         auto loaded = load_job_scene(job_, loading.progress());
         loading.finish();
