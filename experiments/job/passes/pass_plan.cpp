@@ -231,6 +231,10 @@ class PassPlanner {
     Status add_layers() {
         if (!job_.layer_passes) return success();
         display::PartitionDeclaration partition{"passes", "", {}};
+        for (const display::PartitionDeclaration& known : channels_.partitions)
+            if (known.name == partition.name)
+                return error_at(job_.passes.front().location,
+                                "a partition is named 'passes', as the layers of passes; expected another name");
         for (const PlannedPass& pass : plan_.passes) {
             ChannelDefinition layer;
             layer.name = "pass_" + pass.name;

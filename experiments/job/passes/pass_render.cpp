@@ -119,8 +119,9 @@ class PassRenderer {
             };
         std::vector<const PassImage*> finished;
         for (const std::size_t each : rendered_) finished.push_back(&*images_[each]);
-        const auto report = [&](const RenderProgress& now) { this->report(now, index, settings, finished); };
-        auto output = transport::render(scene_, built_, settings, progress_ ? report : decltype(progress_){}, stop_);
+        std::function<void(const RenderProgress&)> progress;
+        if (progress_) progress = [&](const RenderProgress& now) { report(now, index, settings, finished); };
+        auto output = transport::render(scene_, built_, settings, progress, stop_);
         if (!output) {
             Error error = output.error();
             error.message = "the pass '" + plan_.passes[index].name + "': " + error.message;
