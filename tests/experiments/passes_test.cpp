@@ -256,7 +256,8 @@ TEST_CASE("Passes: the sum agrees with one method, layer by layer", "[passes][st
                       pass("bdpt", "rest", "spp = 64\n") + pass("lighttracer", "C<RD><RS>.*[LB]", "spp = 256\n"),
                       pass("path", "(CB)|(C<RD><RD>B)", "spp = 64\n") + pass("bdpt", "rest", "spp = 64\n") +
                           pass("lighttracer", "C<RD>(.*<RD>)?(L-B)", "spp = 256\n"));
-    const Replicates summed = means(plan_of(many_lights(), "[render]\nmax_depth = 4\n" + passes + layers), 500);
+    const std::string prune = GENERATE("", "prune = false\n");
+    const Replicates summed = means(plan_of(many_lights(), "[render]\nmax_depth = 4\n" + prune + passes + layers), 500);
     check_agreement(plain, summed, names);
 }
 
