@@ -8,6 +8,7 @@
 
 #include "display/services/parameters.h"
 #include "experiments/job/output_requests.h"
+#include "experiments/job/pass_request.h"
 #include "lpe/channels/channel_file.h"
 #include "lpe/event.h"
 #include "lpe/language/names.h"
@@ -86,8 +87,10 @@ struct Job {
     std::vector<display::ChannelDefinition> declared;  ///< channels without expressions, which plugins write to
     std::vector<PluginRequest> plugins;                ///< loaded by read_job()
     std::vector<PartitionRequest> partitions;
-    bool measure_refuted = false;  ///< reports and measures partitions that do not hold, instead of refusing them
-    lpe::MacroTable macros;        ///< names that the job's expressions may use
+    std::vector<PassRequest> passes;  ///< empty: one method renders all paths
+    bool layer_passes = false;        ///< adds a layer for each pass
+    bool measure_refuted = false;     ///< reports and measures partitions that do not hold, instead of refusing them
+    lpe::MacroTable macros;           ///< names that the job's expressions may use
     std::vector<lpe::LobeOption> lobe_options;  ///< as in the file; settings.labels.lobe_slots has the resulting slots
     std::vector<transport::LabelRule> label_rules;
 };

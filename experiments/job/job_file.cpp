@@ -28,6 +28,7 @@ Result<Job> parse_job(const std::string& text, const std::string& path) {
     for (const char* name : {"output", "color"}) read_settings_table(root, name, path, job);
     read_settings_table(root, "render", path, job, [&](TomlTable& render) { read_effects(render, job.effects); });
     read_adaptive(root, job);
+    read_passes(root, job);
     read_entity(root, "integrator", job.settings.paths.integrator);
     read_entity(root, "sampler", job.settings.samples.sampler);
     read_entity(root, "filter", job.settings.film.filter);

@@ -53,6 +53,9 @@ Status check_own_sequence(const std::optional<transport::SceneEntity>& sampler) 
 Status check_parameters(const Job& job) {
     if (Status s = check_entity(job.settings.paths.integrator, transport::integrator_registry(), "integrator"); !s)
         return s;
+    for (const PassRequest& pass : job.passes)
+        if (Status s = check_entity(std::optional(pass.method), transport::integrator_registry(), "integrator"); !s)
+            return s;
     if (Status s = check_entity(job.settings.samples.sampler, transport::sampler_registry(), "sampler"); !s) return s;
     if (Status s = check_own_sequence(job.settings.samples.sampler); !s) return s;
     return check_entity(job.settings.film.filter, display::pixel_filter_registry(), "pixel filter");

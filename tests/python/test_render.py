@@ -104,6 +104,19 @@ class SameAsTheProgram(Case):
         self.assertLess(abs(image["two"].mean() - 0.25), 4 / np.sqrt(16 * 16 * 64))
         self.assertTrue(all(image.verify()))
 
+    def test_passes_sum(self):
+        passes = [{"method": "path", "takes": "rest"}, {"method": "bdpt", "takes": "CD.*", "spp": 16, "roulette": False}]
+        progress = []
+        image = raylex.render(white_furnace(0.5), spp=64, max_depth=3, passes=passes, layer_passes=True,
+                              progress=lambda now: progress.append(now.fraction))
+        self.assertLess(abs(image["beauty"].mean() - 1.875), 6 / np.sqrt(16 * 16 * 16))
+        self.assertLess(abs(image["pass_path"].mean() - 1), 1e-3)
+        self.assertIn("passes", image.partitions)
+        self.assertTrue(all(image.verify()))
+        self.assertTrue(all(0 <= each <= 1 for each in progress))
+        with self.assertRaisesRegex(raylex.RaylexError, "no pass takes camera, light"):
+            raylex.render(white_furnace(), passes=passes[1:])
+
     def test_output_is_written_too(self):
         file = self.folder / "out.exr"
         image = raylex.render(white_furnace(), spp=4, output=file)

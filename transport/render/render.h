@@ -142,6 +142,7 @@ struct ImageSums {
 struct RenderOutput {
     display::FrameBuffer frame_buffer;                     ///< the image; after a render in buckets one empty row
     BucketImage buckets;                                   ///< the image after a render in buckets
+    std::shared_ptr<const display::PixelImage> sum{};      ///< the image if several renders are summed; else null
     std::vector<geoaovs::Cryptomatte> cryptomatte;         ///< one for each of MatteSettings::kinds
     display::ChannelId beauty = display::invalid_channel;  ///< the beauty's id in frame_buffer.channels()
     ImageSums sums;
@@ -152,6 +153,7 @@ struct RenderOutput {
     std::vector<Error> warnings;  ///< for the user, such as fallbacks and unused parameters
 
     [[nodiscard]] const display::PixelImage& image() const {
+        if (sum) return *sum;
         return buckets.image ? static_cast<const display::PixelImage&>(*buckets.image) : frame_buffer;
     }
 };

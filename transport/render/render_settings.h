@@ -107,6 +107,10 @@ struct LabelSettings {
 /// The channels of the frame buffer.
 struct ChannelSettings {
     bool beauty = true;  ///< false: only paths that `list` can accept are simulated
+    /// Not empty: a light path expression in the dialect renderman. The beauty then takes only the paths that it
+    /// accepts, and only paths that it or `list` can accept are simulated. The other channels of `list` must accept no
+    /// more.
+    std::string takes{};
     /// Light path expressions, rest layers and geometric AOVs, each name once. ChannelDefinition::rest_of holds
     /// positions in this list.
     std::vector<display::ChannelDefinition> list{};

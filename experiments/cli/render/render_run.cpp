@@ -20,6 +20,7 @@
 #include "experiments/cli/render/render_summary.h"
 #include "experiments/cli/render/rescue.h"
 #include "experiments/job/channels/channel_plan.h"
+#include "experiments/job/passes/pass_render.h"
 #include "experiments/job/rendering/effect_report.h"
 #include "experiments/job/rendering/job_scene.h"
 #include "experiments/job/rendering/provenance.h"
@@ -46,6 +47,7 @@ class RenderRun {
 
     int run() {
         at_once_.emplace("raylex: interrupted before anything was rendered; no file was written\n");
+        if (Status possible = begin_passes(job_); !possible) return report_error(possible.error());
         if (job_.shard) return run_shard();
         if (job_.settings.samples.only) {
             for (std::optional<int> (RenderRun::*step)() : {&RenderRun::load, &RenderRun::build, &RenderRun::plan})
@@ -68,6 +70,7 @@ class RenderRun {
     /// Estimates the cost of all samples.
     std::optional<int> estimate(bool calibrate, RenderEstimate& estimate) {
         quiet_ = true;
+        if (Status possible = begin_passes(job_); !possible) return report_error(possible.error());
         for (std::optional<int> (RenderRun::*step)() : {&RenderRun::load, &RenderRun::build, &RenderRun::plan})
             if (const std::optional<int> code = (this->*step)()) return code;
         if (Status possible = check_shardable(job_, loaded_->scene); !possible) return report_error(possible.error());
@@ -221,10 +224,12 @@ class RenderRun {
         if (!plan) return report_error(plan.error());
         if (Status added = add_denoiser_inputs(*words, *plan, job_); !added) return report_error(added.error());
         for (const std::string& note : plan->notes) warn(note);
-        if (!plan->refuted.empty()) {
-            std::fprintf(stderr, "raylex: %s\nNothing was rendered.\n", plan->refuted.c_str());
-            return exit_does_not_hold;
-        }
+        if (!plan->refuted.empty()) return report_refuted(plan->refuted);
+        auto passes = plan_passes(job_, loaded_->scene, *words, *plan);
+        if (!passes) return report_error(passes.error());
+        passes_ = *std::move(passes);
+        for (const std::string& note : passes_.notes) print_note(note);
+        if (!passes_.refuted.empty()) return report_refuted(passes_.refuted);
         warn_of_single_samples();
         if (!job_.settings.channels.beauty && plan->channels.empty())
             return report_error("--no-beauty leaves nothing to render; expected at least one --lpe or --aov as well");
@@ -239,6 +244,11 @@ class RenderRun {
         beauties_ = plan->beauties;
         phases_["plan"] = clock.elapsed();
         return interrupted_early();
+    }
+
+    static int report_refuted(const std::string& refuted) {
+        std::fprintf(stderr, "raylex: %s\nNothing was rendered.\n", refuted.c_str());
+        return exit_does_not_hold;
     }
 
     /// Warns of layers of statistics that contain only zeros.
@@ -292,8 +302,8 @@ class RenderRun {
             if (begun) print_memory(outputs_, job_.outputs.memory_limit);
             return begun && shard_ ? look_for_record(plan) : begun;
         };
-        auto output = transport::render(
-            loaded_->scene, *built_, job_.settings,
+        auto output = render_job(
+            job_, passes_, loaded_->scene, *built_,
             [&](const transport::RenderProgress& now) {
                 progress.update(now);
                 outputs_.update(now);
@@ -306,7 +316,8 @@ class RenderRun {
             return exit_holds;
         }
         if (!output) return report_error(output.error());
-        output_.emplace(std::move(*output));
+        output_.emplace(std::move(output->output));
+        pass_records_ = std::move(output->passes);
         for (std::size_t i = warned; i < output_->warnings.size(); ++i) warn(output_->warnings[i].to_string());
         const transport::RenderStatistics& statistics = output_->statistics;
         phases_["build"] = {statistics.build_seconds, statistics.build_cpu_seconds};
@@ -352,6 +363,7 @@ class RenderRun {
     /// Returns the description that goes into the file or the record.
     display::ImageDescription describe_image() {
         attributes_ = header_attributes(job_, *output_, arguments_, loaded_->color.description);
+        if (!pass_records_.empty()) attributes_[passes_attribute] = pass_records_;
         if (!beauties_.empty()) attributes_["raylex/is_beauty"] = lpe::joined_by(beauties_, ", ");
         if (!loaded_->color.texture_spaces->empty())
             attributes_["raylex/texture_spaces"] = *loaded_->color.texture_spaces;
@@ -445,6 +457,8 @@ class RenderRun {
     std::shared_ptr<const transport::BuiltScene> built_;
     std::vector<display::PartitionDeclaration> partitions_;
     std::vector<std::string> beauties_;
+    PassPlan passes_;
+    std::string pass_records_;
     RenderOutputs outputs_;
     std::optional<WorkLock> lock_;
     std::optional<ShardRender> shard_;

@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "experiments/cli/checks.h"
+#include "experiments/job/passes/pass_render.h"
 #include "experiments/job/sampling_requests.h"
 #include "experiments/program/console.h"
 #include "experiments/program/interrupt.h"
@@ -19,7 +20,9 @@ void print_sampling(const RenderSummary& of) {
     if (of.output.samples.resumed > 0)
         print_line("resumed from a checkpoint with " + std::to_string(of.output.samples.resumed) +
                    (of.output.samples.complete ? " of " + std::to_string(samples) : std::string()) + " samples");
-    if (of.job.settings.stop.limit && of.output.samples.complete)
+    if (const auto passes = of.image.attributes.find(passes_attribute); passes != of.image.attributes.end())
+        print_line("passes:\n" + passes->second);
+    else if (of.job.settings.stop.limit && of.output.samples.complete)
         print_line("time: " + std::to_string(of.output.samples.per_pixel) + " samples per pixel; --spp " +
                    std::to_string(of.output.samples.per_pixel) + " renders the same bits");
     if (!of.output.samples.adaptive) return;

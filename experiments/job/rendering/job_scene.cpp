@@ -79,9 +79,14 @@ std::optional<std::string> ask_for_film_clamp(const transport::SceneDescription&
     const std::string ignored = "the film's maxcomponentvalue is ignored: ";
     if (!job.settings.channels.beauty) return ignored + "it limits the beauty of a sample, and there is no beauty";
     if (!job.outputs.atlas.file.empty()) return ignored + "an atlas stores unfiltered light";
-    const auto chosen = transport::choose_integrator(
-        transport::integrator_for(job.settings.paths.integrator, scene.integrator), job.settings.paths.max_depth);
-    if (chosen && chosen->integrator->traits().raster_splats && !chosen->integrator->traits().pixel_samples)
+    const auto only_splats = [&](const std::optional<transport::SceneEntity>& method) {
+        const auto chosen = transport::choose_integrator(transport::integrator_for(method, scene.integrator),
+                                                         job.settings.paths.max_depth);
+        return chosen && chosen->integrator->traits().raster_splats && !chosen->integrator->traits().pixel_samples;
+    };
+    if (only_splats(job.settings.paths.integrator) ||
+        std::any_of(job.passes.begin(), job.passes.end(),
+                    [&](const PassRequest& pass) { return only_splats(pass.method); }))
         return ignored + "splatted light has no samples";
     transport::SceneEntity clamp;
     clamp.type = "clamp";

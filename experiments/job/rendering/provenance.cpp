@@ -119,7 +119,7 @@ std::string text_of_invalid(const Job& job, const transport::RenderOutput& outpu
     std::string text = std::to_string(statistics.invalid_samples) +
                        " contributions or values were not finite or too large to sum; they are missing from beauty and "
                        "layers alike. The AOV invalidSamples shows where, --stats lists the first ones";
-    if (statistics.invalid_log.empty()) return text;
+    if (statistics.invalid_log.empty() || !job.passes.empty()) return text;  // passes replay no sample
     const display::InvalidSample& first = statistics.invalid_log.front();
     return text + ".\n  The first: pixel (" + std::to_string(first.pixel_x) + ", " + std::to_string(first.pixel_y) +
            "), sample " + std::to_string(first.sample) + ", seed " + std::to_string(output.used.seed) +

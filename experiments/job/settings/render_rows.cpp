@@ -43,6 +43,13 @@ Status set_time(Job& job, const std::string& text, const SourceLocation& where) 
     return success();
 }
 
+Status add_pass(Job& job, const std::string& text, const SourceLocation& where) {
+    auto pass = parse_pass(text, where);
+    if (!pass) return pass.error();
+    job.passes.push_back(std::move(*pass));
+    return success();
+}
+
 /// Forces an effect on or off: NAME=on or NAME=off.
 Status add_effect(Job& job, const std::string& text, const SourceLocation& where) {
     const std::size_t equals = text.find('=');
@@ -191,6 +198,14 @@ std::vector<RenderSetting> method_settings() {
         {"--max-depth", "render.max_depth", "max_depth", "N", often,
          "maximum number of scattering events on a path; default: the integrator's",
          whole(0, most_int, [](Job& job) { return &job.settings.paths.max_depth; })},
+        {"--pass", "pass", "passes", "METHOD:EXPR", rare,
+         "renders one class of paths by a method of its own, such as lighttracer:C<RD>S+[<L.>O]:spp=256; EXPR is an "
+         "expression, a layer, a light group, or 'rest' for all other paths. The classes must be a partition of the "
+         "beauty. Keys: spp, share (of --time), name, aovs=true, and the method's parameters. The image is the sum",
+         each(add_pass)},
+        {"--layer-passes", "render.layer_passes", "layer_passes", "", rare,
+         "adds a layer for each pass, pass_NAME, and the partition 'passes'",
+         on_or_off([](Job& job) { return &job.layer_passes; })},
         {"--effect", "render.effects.NAME", "", "NAME=on|off", rare,
          "turns an effect off that the scene needs (to measure its cost and its contribution), or on where the scene "
          "does not need it (to measure the saving): " +

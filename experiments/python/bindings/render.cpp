@@ -11,6 +11,7 @@
 #include "experiments/job/channels/channel_plan.h"
 #include "experiments/job/channels/scene_path_strings.h"
 #include "experiments/job/job_file.h"
+#include "experiments/job/passes/pass_render.h"
 #include "experiments/job/rendering/job_scene.h"
 #include "experiments/job/rendering/provenance.h"
 #include "experiments/job/settings/setting.h"
@@ -111,15 +112,21 @@ class JobRender {
     }
 
     void prepare() {
+        take(experiments::begin_passes(job_));
         loaded_ = scene_ ? take(experiments::prepare_job_scene(job_, labelled(*scene_)))
                          : take(experiments::load_job_scene(job_));
         warnings_ = loaded_->warnings;
         experiments::ask_for_film_layers(loaded_->scene.film, job_);
         if (const auto ignored = experiments::ask_for_film_clamp(loaded_->scene, job_)) warnings_.push_back(*ignored);
-        const experiments::ScenePathStrings words = take(experiments::scene_path_strings(job_, loaded_->scene));
+        built_ = take(transport::BuiltScene::build(loaded_->scene, job_.settings.machine));
+        const experiments::ScenePathStrings words =
+            take(experiments::scene_path_strings(job_, loaded_->scene, built_.get()));
         experiments::ChannelPlan plan = take(experiments::plan_channels(job_, words));
         if (!plan.refuted.empty()) fail(plan.refuted, "nothing was rendered");
         take(experiments::add_denoiser_inputs(words, plan, job_));
+        passes_ = take(experiments::plan_passes(job_, loaded_->scene, words, plan));
+        if (!passes_.refuted.empty()) fail(passes_.refuted, "nothing was rendered");
+        warnings_.insert(warnings_.end(), passes_.notes.begin(), passes_.notes.end());
         if (!job_.settings.channels.beauty && plan.channels.empty())
             fail("beauty=False leaves nothing to render; expected at least one of lpe= or aovs= as well");
         warnings_.insert(warnings_.end(), plan.notes.begin(), plan.notes.end());
@@ -142,20 +149,23 @@ class JobRender {
             outputs_.update(now);
             if (callback && !control.failed()) report(now, control, callback);
         };
-        auto output = transport::render(loaded_->scene, job_.settings, progress, &control.stop_flag());
+        auto output = experiments::render_job(job_, passes_, loaded_->scene, *built_, progress, &control.stop_flag());
         job_.settings.before_rendering = nullptr;
-        output_.emplace(take(std::move(output)));
+        experiments::JobOutput rendered = take(std::move(output));
+        output_.emplace(std::move(rendered.output));
+        pass_records_ = std::move(rendered.passes);
         for (const Error& warning : output_->warnings) warnings_.push_back(warning.to_string());
     }
 
     /// Returns nothing if no sample was finished.
     std::shared_ptr<Image> image(const std::shared_ptr<JobRender>& self) {
         if (output_->statistics.camera_samples == 0) return nullptr;
-        const std::map<std::string, std::string> attributes =
+        std::map<std::string, std::string> attributes =
             experiments::header_attributes(job_, *output_, arguments_, loaded_->color.description);
+        if (!pass_records_.empty()) attributes[experiments::passes_attribute] = pass_records_;
         description_ = experiments::image_description(job_, *loaded_, *output_, partitions_, attributes);
         auto image = std::make_shared<Image>(
-            display::image_in_memory(outputs_.filtered(output_->frame_buffer), output_->beauty, description_));
+            display::image_in_memory(outputs_.filtered(output_->image()), output_->beauty, description_));
         if (job_.outputs.denoise) image = denoised(*image, experiments::denoise_options(job_));
         take(outputs_.close(*output_, description_));
         for (std::string& warning : outputs_.take_warnings()) warnings_.push_back(std::move(warning));
@@ -194,8 +204,7 @@ class JobRender {
     }
 
     [[nodiscard]] Status write(const std::string& path) const {
-        Status written =
-            display::write_exr(path, outputs_.filtered(output_->frame_buffer), output_->beauty, description_);
+        Status written = display::write_exr(path, outputs_.filtered(output_->image()), output_->beauty, description_);
         if (!written || !job_.outputs.denoise) return written;
         const auto denoised = display::denoise_exr(path, path, experiments::denoise_options(job_));
         return denoised ? success() : Status(denoised.error());
@@ -205,6 +214,9 @@ class JobRender {
     experiments::Job job_;
     std::optional<Scene> scene_;
     std::unique_ptr<experiments::JobScene> loaded_;
+    std::shared_ptr<const transport::BuiltScene> built_;
+    experiments::PassPlan passes_;
+    std::string pass_records_;
     std::vector<display::PartitionDeclaration> partitions_;
     experiments::RenderOutputs outputs_;
     std::vector<display::ChannelDefinition> channels_;

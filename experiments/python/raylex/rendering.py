@@ -73,6 +73,7 @@ _FORMS = {
     "beauty": "False",
     "channels": "{name: type}",
     "statistics": "{layer: ['mse', 'variance', 'even', 'odd']}",
+    "passes": "[{'method': integrator, 'takes': class, 'spp': N, parameter: value}, ...]",
     "atlas": "file, or {'file': ..., 'by': 'label,lobe,group', 'length': 12, 'budget': '2GiB'}",
 }
 _SETTINGS = {name: (key, help) for name, key, help in _raylex._settings()}

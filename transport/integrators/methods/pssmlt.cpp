@@ -153,7 +153,8 @@ Status Pssmlt::prepare(const IntegratorContext& context) {
 }
 
 Status Pssmlt::find_target() {
-    target_.resize(context_.beauty ? 1 : channels_.size());  // beauty stands first
+    const bool has_beauty = !context_.services.channels.empty() && context_.services.channels.front().name == "beauty";
+    target_.resize(has_beauty ? 1 : channels_.size());  // beauty stands first
     std::iota(target_.begin(), target_.end(), std::size_t{0});
     if (parameters_.target.empty()) return success();
     target_.clear();

@@ -32,7 +32,7 @@ Status list_channels(const ChannelSettings& settings, std::span<const display::C
         display::ChannelDefinition beauty;
         beauty.name = "beauty";
         beauty.style = display::ChannelStyle::expression;
-        beauty.expression = "C.*";
+        beauty.expression = settings.takes.empty() ? "C.*" : settings.takes;
         beauty.space = "rendering colour space";
         beauty.statistics = !splat && !splat_anywhere;
         channels.beauty = 0;

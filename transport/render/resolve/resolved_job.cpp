@@ -145,7 +145,10 @@ Result<ResolvedJob> ResolvedJob::resolve(const BuiltScene& scene, const RenderSe
     if (!budget) return budget.error();
     auto grid = resolve_grid(settings.stop, *sampling, *chosen);
     if (!grid) return grid.error();
-    auto lpe = display::LpeSetup::build(channels->list, channels->beauty);
+    channels->takes_all = channels->beauty >= 0 && settings.channels.takes.empty();
+    // A beauty of some paths is followed like any channel, so that all others are pruned.
+    auto lpe =
+        display::LpeSetup::build(channels->list, channels->takes_all ? channels->beauty : display::invalid_channel);
     if (!lpe) return lpe.error();
     channels->lpe = std::make_unique<display::LpeSetup>(*std::move(lpe));
     if (Status s = check_traits(*chosen, scene.view(), *channels); !s) return s.error();

@@ -41,6 +41,7 @@ struct CameraSampling {
 struct JobChannels {
     std::vector<display::ChannelDefinition> list;
     display::ChannelId beauty = display::invalid_channel;
+    bool takes_all = false;  ///< the beauty takes all paths: ChannelSettings::takes is empty
     display::SampleFilterChain filters;
     std::unique_ptr<display::LpeSetup> lpe;
     bool keeps_path_strings = false;  ///< LabelSettings::words is set

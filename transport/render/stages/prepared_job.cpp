@@ -45,7 +45,7 @@ IntegratorContext PreparedJob::context() const {
                         .lpe = job.channels.lpe.get(),
                         .seed = job.sampling.seed,
                         .attribution = job.channels.attribution};
-    context.beauty = job.channels.beauty >= 0;
+    context.beauty = job.channels.takes_all;
     context.batch_capacity = RenderWorker::batch_capacity;
     context.tiles = static_cast<std::uint32_t>(job.grid.count());
     context.plan = paths ? &paths->plan : nullptr;
@@ -69,8 +69,10 @@ Result<PreparedJob> PreparedJob::prepare(ResolvedJob resolved) {
         std::make_unique<const EventTable>(*job.channels.lpe, job.scene.view(), job.settings.labels.lobe_slots,
                                            job.settings.paths.prune && !*counts, regularizes);
     prepared.aovs = std::make_unique<const geoaovs::GeometricAovs>(job.channels.list);
-    prepared.paths =
-        std::make_unique<const PlannedPaths>(make_path_plan(prepared.context(), job.integrator().plan_request()));
+    // A plan depends on the states of all channels. A beauty of some paths must not depend on them (Law 2).
+    prepared.paths = std::make_unique<const PlannedPaths>(
+        job.settings.channels.takes.empty() ? make_path_plan(prepared.context(), job.integrator().plan_request())
+                                            : PlannedPaths{});
     if (Status s = job.integrator().prepare(prepared.context()); !s) return s.error();
     for (std::string& omission : job.integrator().omissions())
         job.warnings.push_back(error_at({}, std::move(omission)));

@@ -1,0 +1,33 @@
+// The passes that a job requests: classes of paths, each rendered by a method of its own.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "lpe/result.h"
+#include "transport/scene/scene_description.h"
+
+namespace raylex::experiments {
+
+class TomlTable;
+struct Job;
+
+/// One pass, from --pass or a [[pass]] table.
+struct PassRequest {
+    transport::SceneEntity method;  ///< type and parameters of the integrator
+    std::string takes;              ///< "rest", the name of a layer or of a light group, or a light path expression
+    SourceLocation location;        ///< of `takes`
+    std::string name;               ///< empty: the method's name
+    std::optional<std::uint64_t> samples_per_pixel;  ///< unset: the job's
+    double time_share = 1;                           ///< of a time limit, relative to the shares of the other passes
+    bool has_aovs = false;                           ///< supplies alpha, depth and all layers that are not light
+};
+
+/// Parses "METHOD:EXPR", followed by ":KEY=VALUE" for each key of a [[pass]] table, such as ":spp=256".
+Result<PassRequest> parse_pass(const std::string& text, const SourceLocation& where);
+
+/// Reads the [[pass]] tables of a job in their order.
+void read_passes(TomlTable& root, Job& job);
+
+}  // namespace raylex::experiments
