@@ -8,13 +8,7 @@
 
 #include "display/buffer/pixel_image.h"
 #include "display/output/denoise/denoise.h"
-
-/// Wider vectors where the processor has them. Both versions have the same bits, because neither fuses operations.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_THREAD__)
-#define RAYLEX_WIDE [[gnu::target_clones("avx2", "default")]]
-#else
-#define RAYLEX_WIDE
-#endif
+#include "display/services/processor.h"
 
 namespace raylex::display {
 
