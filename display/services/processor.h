@@ -17,8 +17,8 @@
 #endif
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_THREAD__)
-/// Before a function: wider vectors where the processor has them. Both versions have the same bits, because neither fuses
-/// operations.
+/// Before a function: wider vectors where the processor has them. Both versions have the same bits, because neither
+/// fuses operations.
 #define RAYLEX_WIDE [[gnu::target_clones("avx2", "default")]]
 #else
 #define RAYLEX_WIDE
