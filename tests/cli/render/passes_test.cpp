@@ -35,6 +35,16 @@ TEST_CASE("render sums passes and records each of them in the file", "[passes]")
     for (const char* layer : {"beauty", "pass_direct"}) CHECK(plane(*of_job, layer, "G") == plane(*image, layer, "G"));
 }
 
+TEST_CASE("a pass does not warn about paths that other passes take", "[passes]") {
+    const SceneFolder folder;
+    const std::string scene = "render '" + source_dir() + "/experiments/scenes/glass-caustic/scene.pbrt'";
+    const std::string small = " --resolution 8x8 --spp 1 -o a.exr";
+    CHECK(contains(run_raylex(folder, scene + small + " --integrator lighttracer").err, "missing from the image"));
+    const Outcome outcome = run_raylex(folder, scene + small + " --pass path:rest --pass 'lighttracer:C<RD>S+[<L.>O]'");
+    CHECK(outcome.code == 0);
+    CHECK(outcome.err.find("missing from the image") == std::string::npos);
+}
+
 TEST_CASE("render refuses passes that are no partition or that it does not support", "[passes]") {
     const SceneFolder folder;
     const Outcome hole = run_raylex(folder, "render room.pbrt -o a.exr --pass 'path:C<RD>.*'");
