@@ -159,7 +159,7 @@ TEST_CASE("the gradient of the beauty by a factor is the sum of k times the ligh
     folder.run("ask a.atlas.exr --what-if floor.D=1.0625 -o more.exr");
     folder.run("ask a.atlas.exr --what-if floor.D=0.9375 -o less.exr");
     const auto layers = folder.image("layers.exr"), more = folder.image("more.exr"), less = folder.image("less.exr");
-    double largest = 0, third_order = 0;
+    double largest = 0, twice = 0;
     for (const char* component : {"R", "G", "B"}) {
         const auto up = plane(more, "", component), down = plane(less, "", component);
         std::vector<std::vector<float>> of_hits;
@@ -180,11 +180,11 @@ TEST_CASE("the gradient of the beauty by a factor is the sum of k times the ligh
             // Each of the values is rounded to float, by at most 2^-24 of it, and the difference divides this by 2 h.
             CHECK(std::abs(difference - gradient - remainder) <= std::ldexp(value, -24) / (2 * h) * 2);
             largest = std::max(largest, gradient);
-            third_order = std::max(third_order, remainder);
+            twice = std::max(twice, static_cast<double>(of_hits[1][i]));
         }
     }
     CHECK(largest > 0.01);
-    CHECK(third_order > 1e-5);  // some light met the floor three times
+    CHECK(twice > 1e-4);  // k is not 1 everywhere: some light met the floor twice
 }
 
 TEST_CASE("20 edits of an atlas agree with renders of the edited scenes, within their intervals",
