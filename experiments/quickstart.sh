@@ -25,7 +25,7 @@ out=${1:-$root/build/quickstart}
 probe_seconds=2.3
 first_core_seconds=430
 rest_core_seconds=350
-render_core_seconds=230
+render_core_seconds=80
 study_core_seconds=110
 needed_megabytes=2200
 
