@@ -98,7 +98,8 @@ void read_passes(TomlTable& root, Job& job) {
     for (const toml::table* table : root.take_tables("pass")) {
         TomlTable reader(root.source(), *table, "a [[pass]] table");
         PassRequest pass;
-        const bool whole = reader.require("method", pass.method.type) & reader.require("takes", pass.takes);
+        bool whole = reader.require("method", pass.method.type);
+        whole = reader.require("takes", pass.takes) && whole;
         pass.location = reader.content_location_of("takes");
         pass.method.location = reader.location_of("method");
         if (std::int64_t samples = 0; reader.read("spp", samples, 1, most_pass_samples))

@@ -154,7 +154,7 @@ void add_stability_command(CLI::App& app, CommandContext& context) {
         ->option_text("N")
         ->check(CLI::Range(1, 1024));
     command
-        ->add_option("--beside", options->baseline,
+        ->add_option("--beside", options->baseline.program,
                      "another raylex program, such as one built with -DRAYLEX_TRANSPORT_DOUBLE=ON; it runs the same "
                      "cases, and the page shows the errors and times of both")
         ->option_text("PROGRAM");
