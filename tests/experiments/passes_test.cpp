@@ -120,7 +120,7 @@ Shape "disk" "float radius" 0.5 AttributeEnd)";
 }  // namespace
 
 TEST_CASE("Passes: random partitions of path strings, by path, bdpt and light tracer, sum to closed forms",
-          "[passes][statistical]") {
+          "[passes][statistical][gate]") {
     constexpr std::size_t longest = 8, split_at = 3;
     constexpr int seeds = 10;
     const std::vector<EnclosurePathString> all = enclosure_path_strings(reflected, mirrored, longest);
@@ -222,7 +222,7 @@ TEST_CASE("Passes: the bits depend neither on threads nor on layers", "[passes]"
     for (const char* name : {"Nn", "z"}) check_same_bits(values_of(with_layers, name), values_of(plain, name));
 }
 
-TEST_CASE("Passes: the sum agrees with one method, layer by layer", "[passes][statistical]") {
+TEST_CASE("Passes: the sum agrees with one method, layer by layer", "[passes][statistical][gate]") {
     constexpr int seeds = 12;
     std::vector<std::string> names;
     std::string layers;
