@@ -41,8 +41,9 @@ class Callback {
 
 /// Releases Python's lock while it exists.
 struct Unlocked {
+    Unlocked() = default;  // no aggregate: pybind11 makes it from {}, and the constructors of its members are explicit
     Call call;
-    pybind11::gil_scoped_release released{};
+    pybind11::gil_scoped_release released;
 };
 
 }  // namespace raylex::python

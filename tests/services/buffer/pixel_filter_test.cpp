@@ -109,7 +109,9 @@ TEST_CASE("the mean of the weights is 1, and every weight of a positive kernel i
 
 TEST_CASE("samples follow |kernel| and carry its sign", "[pixel_filter]") {
     constexpr int bins = 100, samples = 1 << 20;
-    for (const auto& [name, kernel] : kernels()) {
+    for (const auto& entry : kernels()) {
+        const auto& name = entry.first;
+        const Kernel& kernel = entry.second;
         CAPTURE(name);
         const PixelFilter filter = *make_pixel_filter(name, {});
         Random random(42);

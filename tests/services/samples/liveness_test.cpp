@@ -153,7 +153,8 @@ TEST_CASE("liveness of bit-parallel channels is the union of that of each channe
     terminals.push_back({EventType::background, Scatter::none, 0, {""}});
 
     std::size_t some = 0, scattering = 0, lit = 0, dead = 0;
-    for (const auto& [poor, bare] : {std::pair{false, false}, {true, false}, {true, true}}) {
+    for (const auto& reduced : {std::pair{false, false}, {true, false}, {true, true}}) {
+        const bool poor = reduced.first, bare = reduced.second;
         // Poor: half of the objects, no sky, no cutouts, and nobody speaks. Bare: nothing scatters any more.
         const std::size_t objects = poor ? scatterings.size() / 2 : scatterings.size();
         const auto liveness_of = [&](const LpeSetup& setup) {

@@ -219,8 +219,8 @@ TEST_CASE("shapes under transformations without inverse: meshes are flat, other 
     REQUIRE(scene.shapes.size() == 1);
     CHECK(scene.shapes[0].object_to_world.is_identity());
     CHECK(scene.shapes[0].normals.empty());
-    CHECK(scene.shapes[0].positions[1] == StoredVec3(3, 2, 3));
-    CHECK(scene.shapes[0].positions[2] == StoredVec3(1, 2, 4));
+    CHECK(scene.shapes[0].positions[1] == StoredVec3{3, 2, 3});
+    CHECK(scene.shapes[0].positions[2] == StoredVec3{1, 2, 4});
     CHECK(scene.instances.empty());
     CHECK(warns(scene, "the shape has no area and is left out"));
     CHECK(warns(scene, "the shape is flat and uses face normals"));

@@ -208,7 +208,7 @@ TEST_CASE("clouds stay within the bounds of their cells", "[media][grids][gate]"
         for (int i = 0; i < points; ++i) {
             const double x = uniform(generator) * (wide ? 3 : 1), y = uniform(generator),
                          z = uniform(generator) * (wide ? 2 : 1);
-            const auto density = double(cloud.at(Vec3(float(x), float(y), float(z))));
+            const auto density = double(cloud.at(Vec3{float(x), float(y), float(z)}));
             const double cut = std::abs(density - double(built.at(x, y, z).sigma_s.r));
             // Places are floats, off by 1e-7, and densities change by less than 1,000 per unit of length.
             if (cut > 1e-3) ++beyond, cut_off += cut / points;
