@@ -178,7 +178,7 @@ TEST_CASE("the gradient of the beauty by a factor is the sum of k times the ligh
             }
             const double difference = (static_cast<double>(up[i]) - static_cast<double>(down[i])) / (2 * h);
             // Each of the values is rounded to float, by at most 2^-24 of it, and the difference divides this by 2 h.
-            CHECK(std::abs(difference - gradient - remainder) <= std::ldexp(value, -24) / (2 * h) * 2);
+            CHECK(std::abs(difference - gradient - remainder) <= std::ldexp(value, -24) / (2 * h));
             largest = std::max(largest, gradient);
             twice = std::max(twice, static_cast<double>(of_hits[1][i]));
         }

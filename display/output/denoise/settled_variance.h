@@ -5,10 +5,10 @@
 
 namespace raylex::display {
 
-/// Estimates of variance are as noisy as the pixels and assume independent samples. They are averaged with their
-/// neighbours, and bounded by what the pixels show: Sobol' points often leave less noise than independent ones,
-/// neighbouring pixels differ at least by their noise, and the variance at edges is mostly not noise. An empty plane of
-/// variance stays empty.
+/// Replaces stated variances, which assume independent samples, by estimates with less noise. Averages the variances of
+/// neighbours, limits them to the squared differences of neighbouring values, which include all noise, and reduces the
+/// variance at edges, where Sobol' points leave less noise. `values` and `variance` have width x height elements, row by
+/// row. An empty plane of variance stays empty.
 void settle_variance(const std::vector<float>& values, std::vector<float>& variance, int width, int height);
 
 }  // namespace raylex::display
