@@ -185,7 +185,7 @@ trap 'rm -rf "$results"' EXIT
 passed=0 failed=0 skipped=0
 failures=()
 
-say() { printf '\n== %s\n' "$1"; }
+say() { printf '\n== %s (%s s)\n' "$1" "$SECONDS"; }
 fail() { failed=$((failed + 1)); failures+=("$1"); echo "FAILED: $1"; }
 
 # configure_and_build <preset> [cmake arguments]: the programs of the chosen parts, or all targets. Prints only errors.
@@ -255,7 +255,11 @@ run_programs() {
     for program in "${programs[@]}"; do
         report="$results/$preset-$label-$(basename "$program")"
         while [ "$(jobs -rp | wc -l)" -ge "$(nproc)" ]; do wait -n; done
-        { "$program" -r xml -o "$report.xml" "$@" >"$report.log" 2>&1; echo $? >"$report.status"; } &
+        {
+            TIMEFORMAT='%0U'
+            { time "$program" -r xml -o "$report.xml" "$@" >"$report.log" 2>&1; } 2>"$report.seconds"
+            echo $? >"$report.status"
+        } &
     done
     wait
     for program in "${programs[@]}"; do
@@ -277,7 +281,8 @@ run_programs() {
         grep '^SKIPPED ' "$report"
         passed=$((passed + ok - left_out))
         skipped=$((skipped + left_out))
-        printf '%-22s %-10s %4d passed %4d failed %4d skipped\n' "$name" "$label" "$((ok - left_out))" "$bad" "$left_out"
+        printf '%-22s %-10s %4d passed %4d failed %4d skipped %5s CPU s\n' "$name" "$label" "$((ok - left_out))" "$bad" \
+            "$left_out" "$(cat "$results/$preset-$label-$name.seconds")"
         if [ "$bad" -gt 0 ] || { [ "$status" -ne 0 ] && [ "$ok" -gt 0 ]; }; then
             # As text, of this run: what failed once need not fail again.
             local told
