@@ -88,6 +88,7 @@ int run_command_line(int argc, const char* const* argv) {
                command_words(*innermost) + " --help' for its options.\n";
     });
     add_render_command(app, context);
+    add_passes_command(app, context);
     add_lpe_command(app, context);
     add_verify_command(app, context);
     add_ask_command(app, context);

@@ -19,6 +19,7 @@ struct CommandContext {
 };
 
 void add_render_command(CLI::App& app, CommandContext& context);
+void add_passes_command(CLI::App& app, CommandContext& context);
 void add_lpe_command(CLI::App& app, CommandContext& context);
 void add_verify_command(CLI::App& app, CommandContext& context);
 void add_ask_command(CLI::App& app, CommandContext& context);

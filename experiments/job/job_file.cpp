@@ -1,5 +1,6 @@
 #include "experiments/job/job_file.h"
 
+#include <filesystem>
 #include <utility>
 
 #include "experiments/job/channel_tables.h"
@@ -28,7 +29,7 @@ Result<Job> parse_job(const std::string& text, const std::string& path) {
     for (const char* name : {"output", "color"}) read_settings_table(root, name, path, job);
     read_settings_table(root, "render", path, job, [&](TomlTable& render) { read_effects(render, job.effects); });
     read_adaptive(root, job);
-    read_passes(root, job);
+    read_passes(root, "pass", job.passes);
     read_entity(root, "integrator", job.settings.paths.integrator);
     read_entity(root, "sampler", job.settings.samples.sampler);
     read_entity(root, "filter", job.settings.film.filter);
@@ -49,6 +50,14 @@ Result<Job> read_job(const std::string& path) {
     if (!job) return job;
     for (const PluginRequest& plugin : job->plugins)
         if (Status loaded = transport::load_plugin(plugin.file, plugin.location); !loaded) return loaded.error();
+    return job;
+}
+
+Result<Job> read_scene_or_job(const std::string& path) {
+    if (path.empty()) return error_at({}, "the scene's name is empty; expected a pbrt-v4 scene or a TOML job");
+    if (std::filesystem::path(path).extension() == ".toml") return read_job(path);
+    Job job;
+    job.scene_file = path;
     return job;
 }
 

@@ -14,6 +14,9 @@ namespace raylex::experiments {
 /// depend on the scene (labels, materials).
 Result<Job> read_job(const std::string& path);
 
+/// Reads a job file (.toml), or makes the job of a scene file without further settings.
+Result<Job> read_scene_or_job(const std::string& path);
+
 /// Parses a job from memory. `path` appears in messages and is the base of relative paths.
 Result<Job> parse_job(const std::string& text, const std::string& path);
 

@@ -94,9 +94,9 @@ Result<PassRequest> parse_pass(const std::string& text, const SourceLocation& wh
     return pass;
 }
 
-void read_passes(TomlTable& root, Job& job) {
-    for (const toml::table* table : root.take_tables("pass")) {
-        TomlTable reader(root.source(), *table, "a [[pass]] table");
+void read_passes(TomlTable& root, std::string_view key, std::vector<PassRequest>& passes) {
+    for (const toml::table* table : root.take_tables(key)) {
+        TomlTable reader(root.source(), *table, "a [[" + std::string(key) + "]] table");
         PassRequest pass;
         bool whole = reader.require("method", pass.method.type);
         whole = reader.require("takes", pass.takes) && whole;
@@ -114,7 +114,7 @@ void read_passes(TomlTable& root, Job& job) {
             if (Status fits = check_layer_name(pass.name, reader.location_of("name")); !fits)
                 root.source().fail(fits.error());
         pass.method.parameters = reader.take_parameters();
-        if (whole) job.passes.push_back(std::move(pass));
+        if (whole) passes.push_back(std::move(pass));
     }
 }
 

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "lpe/result.h"
 #include "transport/scene/scene_description.h"
@@ -11,7 +13,6 @@
 namespace raylex::experiments {
 
 class TomlTable;
-struct Job;
 
 /// One pass, from --pass or a [[pass]] table.
 struct PassRequest {
@@ -27,7 +28,7 @@ struct PassRequest {
 /// Parses "METHOD:EXPR", followed by ":KEY=VALUE" for each key of a [[pass]] table, such as ":spp=256".
 Result<PassRequest> parse_pass(const std::string& text, const SourceLocation& where);
 
-/// Reads the [[pass]] tables of a job in their order.
-void read_passes(TomlTable& root, Job& job);
+/// Reads the tables [[key]] in their order: [[pass]] of a job.
+void read_passes(TomlTable& root, std::string_view key, std::vector<PassRequest>& passes);
 
 }  // namespace raylex::experiments

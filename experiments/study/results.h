@@ -65,6 +65,12 @@ struct OmittedPathsInfo {
     std::string expression, dialect;
 };
 
+/// What a pass of a method rendered; its light is in pass_NAME.mean.npy.
+struct PassResult {
+    std::string name, method;
+    double samples_per_pixel = 0, cpu_seconds = 0;
+};
+
 /// One render: a scene, a method with settings, a budget and a unique seed.
 struct StudyRun {
     std::string id;  ///< SCENE.METHOD[.KEY=VALUE...].BUDGET.rREPLICATE; unique, valid as a file name
@@ -96,6 +102,7 @@ struct StudyRun {
     double other_load = -1;
     std::vector<std::string> warnings;
     std::vector<OmittedPathsInfo> omits;  ///< paths of this scene that the integrator declares not to find
+    std::vector<PassResult> passes;       ///< of a method with several passes
     std::vector<FileRecord> files;        ///< all files of the directory except cell.json; empty after a failure
     std::string directory;                ///< directory of its files; empty after a failure
 };

@@ -76,6 +76,7 @@ static void visit_fields(auto visit, StudyRun& run) {
     visit.optional("other_load", run.other_load, run.other_load >= 0);
     visit("warnings", run.warnings);
     visit.optional("omits", run.omits, !run.omits.empty());
+    visit.optional("passes", run.passes, !run.passes.empty());
     visit.optional("files", run.files, !run.failed);
 }
 

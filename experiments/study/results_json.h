@@ -20,6 +20,7 @@ inline void from_json(const Json& json, NullIsInfinite& number) {
 }
 
 RAYLEX_JSON_FIELDS(Phase, name, wall_seconds, cpu_seconds)
+RAYLEX_JSON_FIELDS(PassResult, name, method, samples_per_pixel, cpu_seconds)
 RAYLEX_JSON_FIELDS(FileRecord, name, bytes, hash)
 RAYLEX_JSON_FIELDS(OmittedPathsInfo, expression, dialect)
 RAYLEX_JSON_FIELDS(ChannelInfo, name, expression, dialect, beauty)

@@ -107,6 +107,12 @@ struct IntegratorTraits {
 
 class Integrator;
 
+/// A warning for the user about light that an integrator does not find, or finds otherwise than other integrators.
+struct Omission {
+    std::string text;
+    bool is_declared = false;  ///< omitted_paths() has these paths
+};
+
 /// How the paths of an integrator may be planned where channels alone decide how rays are spent (path_plan.h).
 struct PlanRequest {
     /// Makes an integrator for trial renders, which traces only the camera subpaths that are planned. Empty: nothing is
@@ -128,7 +134,7 @@ class Integrator {
     [[nodiscard]] virtual IntegratorTraits traits() const { return {}; }
     virtual Status prepare(const IntegratorContext& context) = 0;
     /// After prepare(): returns warnings for the user about light of this scene that the integrator does not find.
-    [[nodiscard]] virtual std::vector<std::string> omissions() const { return {}; }
+    [[nodiscard]] virtual std::vector<Omission> omissions() const { return {}; }
     /// After the render: returns warnings for the user about paths that were cut for their length, with their number.
     [[nodiscard]] virtual std::vector<std::string> cuts() const { return {}; }
     /// Before prepare(): returns what the render may plan for the integrator's camera subpaths. By default nothing.

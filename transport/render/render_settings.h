@@ -109,7 +109,8 @@ struct ChannelSettings {
     bool beauty = true;  ///< false: only paths that `list` can accept are simulated
     /// Not empty: a light path expression in the dialect renderman. The beauty then takes only the paths that it
     /// accepts, and only paths that it or `list` can accept are simulated. The other channels of `list` must accept no
-    /// more.
+    /// more. The caller has proved that the integrator samples these paths: there are no warnings about those that
+    /// omitted_paths() declares.
     std::string takes{};
     /// Light path expressions, rest layers and geometric AOVs, each name once. ChannelDefinition::rest_of holds
     /// positions in this list.

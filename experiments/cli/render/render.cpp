@@ -31,17 +31,9 @@ Status read_shard(const CLI::App& command, Job& job) {
     return success();
 }
 
-Result<Job> base_job(const std::string& input) {
-    if (input.empty()) return error_at({}, "the scene's name is empty; expected a pbrt-v4 scene or a TOML job");
-    if (std::filesystem::path(input).extension() == ".toml") return read_job(input);
-    Job job;
-    job.scene_file = input;
-    return job;
-}
-
 /// Makes the job from the job file and the flags, which override it.
 Result<Job> assemble(const CLI::App& command, const RenderOptions& options) {
-    auto base = base_job(options.input);
+    auto base = read_scene_or_job(options.input);
     if (!base) return base;
     if (Status loaded = load_plugins(options.plugins); !loaded) return loaded.error();
     Job job = std::move(*base);

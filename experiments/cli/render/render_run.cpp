@@ -316,8 +316,8 @@ class RenderRun {
             return exit_holds;
         }
         if (!output) return report_error(output.error());
+        pass_records_ = output->pass_lines();
         output_.emplace(std::move(output->output));
-        pass_records_ = std::move(output->passes);
         for (std::size_t i = warned; i < output_->warnings.size(); ++i) warn(output_->warnings[i].to_string());
         const transport::RenderStatistics& statistics = output_->statistics;
         phases_["build"] = {statistics.build_seconds, statistics.build_cpu_seconds};

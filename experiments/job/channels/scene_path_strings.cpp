@@ -1,7 +1,6 @@
 #include "experiments/job/channels/scene_path_strings.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <limits>
 #include <utility>
 
@@ -53,17 +52,12 @@ Result<ScenePathStrings> scene_path_strings(const Job& job, const transport::Sce
 }
 
 Result<ScenePathStrings> read_scene_path_strings(const std::string& path) {
-    Job job;
-    job.scene_file = path;
-    if (std::filesystem::path(path).extension() == ".toml") {
-        auto read = read_job(path);
-        if (!read) return read.error();
-        job = std::move(*read);
-    }
-    auto scene = transport::import_pbrt(job.scene_file, {.missing = job.missing});
+    const auto job = read_scene_or_job(path);
+    if (!job) return job.error();
+    auto scene = transport::import_pbrt(job->scene_file, {.missing = job->missing});
     if (!scene) return scene.error();
-    if (Status labelled = transport::apply_label_rules(*scene, job.label_rules); !labelled) return labelled.error();
-    return scene_path_strings(job, *scene);
+    if (Status labelled = transport::apply_label_rules(*scene, job->label_rules); !labelled) return labelled.error();
+    return scene_path_strings(*job, *scene);
 }
 
 }  // namespace raylex::experiments

@@ -10,6 +10,8 @@
 #include "lpe/algebra/wording/event_words.h"
 #include "lpe/language/names.h"
 #include "transport/integrators/integrator.h"
+#include "transport/render/tiles.h"
+#include "transport/scene/sampler.h"
 
 namespace raylex::experiments {
 namespace {
@@ -26,7 +28,8 @@ class PassPlanner {
     Result<PassPlan> run() {
         for (Status (PassPlanner::*step)() :
              {&PassPlanner::find_classes, &PassPlanner::prove, &PassPlanner::check_methods, &PassPlanner::drop_empty,
-              &PassPlanner::join, &PassPlanner::add_layers, &PassPlanner::restrict_channels}) {
+              &PassPlanner::join, &PassPlanner::plan_halves, &PassPlanner::add_layers,
+              &PassPlanner::restrict_channels}) {
             if (Status done = (this->*step)(); !done) return done.error();
             if (!plan_.refuted.empty()) break;
         }
@@ -228,6 +231,35 @@ class PassPlanner {
         return success();
     }
 
+    /// Light that lands on any pixel has no statistics of samples, so such passes are rendered in two halves.
+    Status plan_halves() {
+        const std::vector<display::StatisticRequest>& statistics = job_.settings.channels.statistics;
+        if (statistics.empty() || plan_.passes.size() < 2) return success();
+        for (PlannedPass& pass : plan_.passes) {
+            auto chosen = transport::choose_integrator(pass.method, job_.settings.paths.max_depth);
+            if (!chosen) return chosen.error();
+            if (!chosen->integrator->traits().raster_splats) continue;
+            const auto& sampler = job_.settings.samples.sampler ? *job_.settings.samples.sampler : scene_.sampler;
+            const auto of_scene = transport::choose_sampler(sampler);
+            if (!of_scene) return of_scene.error();
+            if (!pass.samples_per_pixel)
+                pass.samples_per_pixel = job_.settings.samples.per_pixel.value_or(of_scene->samples_per_pixel);
+            constexpr auto least = static_cast<std::uint64_t>(2 * transport::TileGrid::block_size);
+            std::string why;
+            if (pass.has_aovs) why = "supplies the AOVs; expected aovs = true in a pass by path";
+            else if (chosen->integrator->starts_up()) why = "has Markov chains; expected another method";
+            else if (job_.settings.stop.limit) why = "ends at a time limit; expected a number of samples";
+            else if (*pass.samples_per_pixel < least)
+                why = "has " + std::to_string(*pass.samples_per_pixel) + " samples per pixel; expected at least " +
+                      std::to_string(least);
+            if (!why.empty())
+                return error_at(statistics.front().location,
+                                "statistics need two halves of the pass '" + pass.name + "', which " + why);
+            pass.has_halves = true;
+        }
+        return success();
+    }
+
     Status add_layers() {
         if (!job_.layer_passes) return success();
         display::PartitionDeclaration partition{"passes", "", {}};
@@ -335,11 +367,10 @@ Status begin_passes(Job& job) {
         {job.shard.has_value() || job.shard_commands > 0, "shards"},
         {job.checkpoint_seconds > 0 || job.resume, "checkpoints (--checkpoint, --resume)"},
         {settings.buckets.has_value(), "buckets (--memory, --bucket-rows)"},
-        {settings.stop.adaptive.has_value(), "adaptive sampling (--until-error)"},
+        {settings.stop.adaptive && !settings.stop.adaptive->channels.empty(), "adaptive sampling by channels"},
         {settings.samples.only.has_value(), "a replayed sample (--replay)"},
         {!job.outputs.deep.file.empty(), "a deep image (--deep)"},
         {!job.outputs.atlas.file.empty(), "a path atlas (--atlas)"},
-        {job.outputs.denoise, "the denoiser (--denoise)"},
         {any_of_light(settings.channels.rules), "a rule for a channel of light"},
         {any_of_light(settings.channels.layers), "a further layer of a channel of light"},
         {has_variance, "the statistic variance; mse, the variance of the pixel, is supported"}};

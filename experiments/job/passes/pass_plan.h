@@ -22,6 +22,7 @@ struct PlannedPass {
     std::string expression;  ///< the class of paths, in the dialect renderman
     std::optional<std::uint64_t> samples_per_pixel;
     double time_share = 1;                               ///< fraction of a time limit
+    bool has_halves = false;                             ///< is rendered in two halves, for statistics
     bool has_aovs = false;                               ///< supplies everything that is not light of the beauty
     std::vector<display::ChannelDefinition> channels{};  ///< for ChannelSettings::list
 };

@@ -5,8 +5,10 @@
 #include <utility>
 
 #include "display/services/split_mix.h"
+#include "experiments/job/passes/pass_classes.h"
 #include "experiments/job/passes/pass_sum.h"
 #include "experiments/program/console.h"
+#include "transport/render/tiles.h"
 
 namespace raylex::experiments {
 namespace {
@@ -33,6 +35,11 @@ RenderSettings settings_of(const Job& job, const PassPlan& plan, std::size_t ind
     settings.paths.integrator = pass.method;
     if (pass.samples_per_pixel) settings.samples.per_pixel = pass.samples_per_pixel;
     if (settings.stop.limit) settings.stop.limit->seconds *= pass.time_share;
+    if (settings.stop.adaptive) {
+        // Light that lands on any pixel has no error by pixel.
+        if (!is_camera_based(pass.method, settings.paths.max_depth)) settings.stop.adaptive.reset();
+        else if (pass.samples_per_pixel) settings.stop.adaptive->max_samples = *pass.samples_per_pixel;
+    }
     if (index > 0) settings.samples.seed = mix_bits(settings.samples.seed + index * golden_gamma);
     if (plan.passes.size() == 1) return settings;
     settings.channels.takes = pass.expression;
@@ -43,6 +50,7 @@ RenderSettings settings_of(const Job& job, const PassPlan& plan, std::size_t ind
     keep_known(settings.channels.rules, pass.channels);
     keep_known(settings.channels.layers, pass.channels);
     keep_known(settings.channels.statistics, pass.channels);
+    if (pass.has_halves) settings.channels.statistics.clear();
     return settings;
 }
 
@@ -74,6 +82,16 @@ void add_pass_statistics(RenderStatistics& sum, const RenderStatistics& of) {
         sum.path_length_histogram[i] += of.path_length_histogram[i];
 }
 
+/// Adds the counts of another render, but no pixels and no samples per pixel.
+void add_output(RenderOutput& sum, const RenderOutput& of) {
+    add_pass_statistics(sum.statistics, of.statistics);
+    sum.sums.rejected += of.sums.rejected;
+    sum.sums.light_magnitude += of.sums.light_magnitude;
+    sum.samples.unconverged_pixels += of.samples.unconverged_pixels;
+    if (of.samples.adaptive && (!sum.samples.adaptive || of.samples.adaptive->error > sum.samples.adaptive->error))
+        sum.samples.adaptive = of.samples.adaptive;
+}
+
 class PassRenderer {
   public:
     PassRenderer(const Job& job, const PassPlan& plan, const transport::SceneDescription& scene,
@@ -86,7 +104,7 @@ class PassRenderer {
           progress_(progress),
           stop_(stop),
           images_(plan.passes.size()),
-          lines_(plan.passes.size()) {}
+          records_(plan.passes.size()) {}
 
     Result<JobOutput> run() {
         const std::size_t with_aovs = plan_.with_aovs();
@@ -95,7 +113,9 @@ class PassRenderer {
             if (i == with_aovs) continue;
             if (stop_ != nullptr && stop_->load()) sum_->samples.complete = false;
             else if (Status done = render(i); !done) return done.error();
-            if (!images_[i]) lines_[i] = plan_.passes[i].name + ": not rendered";
+            if (!images_[i])
+                records_[i] = {plan_.passes[i].name, plan_.passes[i].method.type, 0, 0,
+                               plan_.passes[i].name + ": not rendered"};
         }
         std::vector<PassImage> images;
         std::size_t first = 0;
@@ -103,8 +123,7 @@ class PassRenderer {
             if (i == with_aovs) first = images.size();
             if (images_[i]) images.push_back(std::move(*images_[i]));
         }
-        JobOutput result{std::move(*sum_), {}};
-        for (const std::string& line : lines_) result.passes += (result.passes.empty() ? "" : "\n") + line;
+        JobOutput result{std::move(*sum_), std::move(records_)};
         result.output.sum = std::make_shared<PassSum>(std::move(images), first, channels_);
         return result;
     }
@@ -121,14 +140,16 @@ class PassRenderer {
         for (const std::size_t each : rendered_) finished.push_back(&*images_[each]);
         std::function<void(const RenderProgress&)> progress;
         if (progress_) progress = [&](const RenderProgress& now) { report(now, index, settings, finished); };
-        auto output = transport::render(scene_, built_, settings, progress, stop_);
+        std::optional<display::FrameBuffer> half;
+        auto output = plan_.passes[index].has_halves ? render_halves(settings, progress, half)
+                                                     : transport::render(scene_, built_, settings, progress, stop_);
         if (!output) {
             Error error = output.error();
             error.message = "the pass '" + plan_.passes[index].name + "': " + error.message;
             return error;
         }
-        lines_[index] = line_of(index, *output);
-        keep(index, *std::move(output));
+        records_[index] = record_of(index, *output);
+        keep(index, *std::move(output), std::move(half));
         rendered_.push_back(index);
         return success();
     }
@@ -149,24 +170,38 @@ class PassRenderer {
         return all;
     }
 
-    void keep(std::size_t index, RenderOutput output) {
+    /// Renders all samples, and returns those of the first half as well. The sum of the halves is exact, so the bits
+    /// are those of one render.
+    Result<RenderOutput> render_halves(RenderSettings settings,
+                                       const std::function<void(const RenderProgress&)>& progress,
+                                       std::optional<display::FrameBuffer>& half) {
+        constexpr auto block = static_cast<std::uint64_t>(transport::TileGrid::block_size);
+        const std::uint64_t all = *settings.samples.per_pixel, split = all / block / 2 * block;
+        settings.samples.per_pixel = split;
+        auto first = transport::render(scene_, built_, settings, progress, stop_);
+        if (!first || !first->samples.complete) return first;
+        settings.samples.first = split;
+        settings.samples.per_pixel = all;
+        auto output = transport::render(scene_, built_, settings, progress, stop_);
+        if (!output) return output;
+        if (Status merged = output->frame_buffer.merge(first->frame_buffer); !merged) return merged.error();
+        add_output(*output, *first);
+        half.emplace(std::move(first->frame_buffer));
+        return output;
+    }
+
+    void keep(std::size_t index, RenderOutput output, std::optional<display::FrameBuffer> half) {
         if (!sum_) channels_ = channels_of_sum(output.frame_buffer.channels(), job_);
         std::vector<display::ChannelId> position = positions_in(output.frame_buffer.channels(), channels_);
-        // The method misses no path of the class of its pass: the plan has a proof. What it misses elsewhere is no
-        // loss.
-        std::erase_if(output.warnings,
-                      [](const Error& warning) { return warning.message.find("missing from") != std::string::npos; });
         const display::FrameBufferLayout one{.width = 1, .height = 1};
         auto empty = output.frame_buffer.like(one);
-        images_[index].emplace(PassImage{std::move(output.frame_buffer), std::move(position)});
+        images_[index].emplace(PassImage{std::move(output.frame_buffer), std::move(position), std::move(half)});
         if (empty) output.frame_buffer = *std::move(empty);
         if (!sum_) {
             sum_.emplace(std::move(output));
             return;
         }
-        add_pass_statistics(sum_->statistics, output.statistics);
-        sum_->sums.rejected += output.sums.rejected;
-        sum_->sums.light_magnitude += output.sums.light_magnitude;
+        add_output(*sum_, output);
         sum_->samples.complete = sum_->samples.complete && output.samples.complete;
         sum_->samples.per_pixel += output.samples.per_pixel;
         if (index == 0) sum_->used.seed = output.used.seed;
@@ -179,14 +214,21 @@ class PassRenderer {
         }
     }
 
-    [[nodiscard]] std::string line_of(std::size_t index, const RenderOutput& output) const {
+    [[nodiscard]] PassRecord record_of(std::size_t index, const RenderOutput& output) const {
         const PlannedPass& pass = plan_.passes[index];
-        std::string line = pass.name + ": " + output.used.integrator + ", " + std::to_string(output.samples.per_pixel) +
-                           " samples per pixel, " + number_text(output.statistics.render_cpu_seconds) +
-                           " CPU s, seed " + std::to_string(output.used.seed);
-        if (!output.samples.complete) line += ", INCOMPLETE";
-        if (pass.has_aovs) line += ", with the AOVs";
-        return line + ", takes " + (pass.takes == pass.expression ? "" : pass.takes + " = ") + pass.expression;
+        const display::PixelRegion region = output.view.crop.value_or(output.frame_buffer.whole());
+        const auto pixels = static_cast<double>(region.width()) * static_cast<double>(region.height());
+        const double samples = output.samples.complete && !output.samples.adaptive
+                                   ? static_cast<double>(output.samples.per_pixel)
+                                   : static_cast<double>(output.statistics.camera_samples) / pixels;
+        PassRecord record{pass.name, output.used.integrator, samples, output.statistics.render_cpu_seconds};
+        record.text = pass.name + ": " + record.method + ", " + number_text(record.samples_per_pixel, 10) +
+                      " samples per pixel, " + number_text(record.cpu_seconds) + " CPU s, seed " +
+                      std::to_string(output.used.seed);
+        if (!output.samples.complete) record.text += ", INCOMPLETE";
+        if (pass.has_aovs) record.text += ", with the AOVs";
+        record.text += ", takes " + (pass.takes == pass.expression ? "" : pass.takes + " = ") + pass.expression;
+        return record;
     }
 
     /// Samples of pixel that a pass is expected to take, relative to the others.
@@ -225,13 +267,19 @@ class PassRenderer {
     const std::function<void(const RenderProgress&)>& progress_;
     const std::atomic<bool>* stop_;
     std::vector<std::optional<PassImage>> images_;  // [pass]
-    std::vector<std::string> lines_;                // [pass]
+    std::vector<PassRecord> records_;               // [pass]
     std::vector<std::size_t> rendered_;             // in the order of rendering
     std::optional<RenderOutput> sum_;
     std::vector<ChannelDefinition> channels_;  // of the sum
 };
 
 }  // namespace
+
+std::string JobOutput::pass_lines() const {
+    std::string lines;
+    for (const PassRecord& each : passes) lines += (lines.empty() ? "" : "\n") + each.text;
+    return lines;
+}
 
 Result<JobOutput> render_job(const Job& job, const PassPlan& plan, const transport::SceneDescription& scene,
                              const transport::BuiltScene& built,

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "experiments/job/passes/pass_plan.h"
 #include "lpe/result.h"
@@ -15,9 +16,18 @@ namespace raylex::experiments {
 /// The header attribute with the record of every pass, a line each.
 inline constexpr const char* passes_attribute = "raylex/passes";
 
+/// What a pass rendered.
+struct PassRecord {
+    std::string name, method;
+    double samples_per_pixel = 0;  ///< finished; 0: the pass was not rendered
+    double cpu_seconds = 0;
+    std::string text{};  ///< the record as a line
+};
+
 struct JobOutput {
-    transport::RenderOutput output;  ///< of passes: the sum; statistics of all passes together
-    std::string passes{};            ///< what each pass rendered, a line each; empty without passes
+    transport::RenderOutput output;    ///< of passes: the sum; statistics of all passes together
+    std::vector<PassRecord> passes{};  ///< in the order of the plan; empty without passes
+    [[nodiscard]] std::string pass_lines() const;
 };
 
 /// Renders a job. Without passes this is transport::render(). Pass k has random numbers of its own, and pass 0 those of

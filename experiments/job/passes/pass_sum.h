@@ -1,6 +1,7 @@
 // The sum of the images of passes.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -20,6 +21,14 @@ bool is_summed(std::span<const display::ChannelDefinition> channels, display::Ch
 struct PassImage {
     display::FrameBuffer buffer;
     std::vector<display::ChannelId> position;  ///< positions_in(buffer.channels(), channels of the sum)
+    /// The first half of the samples of a pass whose light lands on any pixel. The scatter of a pixel's samples does
+    /// not give its error then, but the difference of the halves does.
+    std::optional<display::FrameBuffer> half{};
+
+    /// Returns the pixels of a channel of the sum; empty if the pass has no light for it.
+    [[nodiscard]] std::vector<double> resolve(display::ChannelId id,
+                                              std::span<const display::ChannelDefinition> channels,
+                                              const display::PixelRegion& region) const;
 };
 
 /// Adds light over the passes in their order. Everything else comes from one of them.

@@ -153,7 +153,7 @@ class JobRender {
         job_.settings.before_rendering = nullptr;
         experiments::JobOutput rendered = take(std::move(output));
         output_.emplace(std::move(rendered.output));
-        pass_records_ = std::move(rendered.passes);
+        pass_records_ = rendered.pass_lines();
         for (const Error& warning : output_->warnings) warnings_.push_back(warning.to_string());
     }
 

@@ -10,6 +10,7 @@
 #include "experiments/job/channel_tables.h"
 #include "experiments/job/job_tables.h"
 #include "experiments/job/parameter_check.h"
+#include "experiments/job/passes/pass_plan.h"
 #include "experiments/job/sampling_requests.h"
 #include "experiments/job/settings/setting.h"
 #include "experiments/job/text/toml_text.h"
@@ -38,12 +39,15 @@ void read_method_table(TomlTable& table, MethodRequest& method) {
     read_entity(table, "sampler", method.settings.samples.sampler);
     read_entity(table, "filter", method.settings.film.filter);
     read_sample_filters(table, method.settings.channels);
+    read_passes(table, "passes", method.passes);
 }
 
 Status check_method(const MethodRequest& method) {
     Job job;
     job.settings = method.settings;
-    return check_parameters(job);
+    job.passes = method.passes;
+    if (Status known = check_parameters(job); !known) return known;
+    return begin_passes(job);
 }
 
 /// Moves the error of a swept value to the place of the sweep.
@@ -95,7 +99,8 @@ class ConfigReader {
         for (std::size_t i = 0; i < config_.methods.size(); ++i) {
             if (config_.methods[i].name != config_.reference.method) continue;
             config_.reference.variant = config_.variants.size();
-            config_.variants.push_back({i, {}, config_.methods[i].settings, config_.methods[i].effects, false});
+            config_.variants.push_back(
+                {i, {}, config_.methods[i].settings, config_.methods[i].effects, config_.methods[i].passes, false});
         }
         if (Status checked = check_config(config_); !checked) return checked.error();
         return std::move(config_);
@@ -234,6 +239,7 @@ class ConfigReader {
             if (Status known = check_method(read); !known) return at_axis(known.error(), method);
             variant.render = std::move(read.settings);
             variant.effects = read.effects;
+            variant.passes = std::move(read.passes);
             config_.variants.push_back(std::move(variant));
         }
         return success();
@@ -254,6 +260,8 @@ Job ExperimentConfig::job(std::size_t scene, const Variant& variant) const {
     job.label_rules = from.label_rules;
     job.settings.film.resolution = from.settings.film.resolution;
     job.effects = variant.effects;
+    job.passes = variant.passes;
+    job.layer_passes = !variant.passes.empty();
     const transport::RenderSettings& render = variant.render;
     job.settings.paths.integrator = render.paths.integrator;
     job.settings.samples.sampler = render.samples.sampler;

@@ -34,6 +34,7 @@ struct MethodRequest {
     double timeout = 0;                  ///< maximum seconds of a cell, which fails after it; 0: none
     transport::RenderSettings settings;  ///< settings of the method's table, without sweeps
     transport::EffectChoices effects;    ///< effects of the method's table
+    std::vector<PassRequest> passes;     ///< their samples are those for each sample of the budget
     std::vector<SweepAxis> sweep;        ///< axes from [sweep] and the method's [method.sweep]
     SourceLocation location;
 };
@@ -44,6 +45,7 @@ struct Variant {
     NamedValues settings;    ///< axis -> value
     transport::RenderSettings render;
     transport::EffectChoices effects;
+    std::vector<PassRequest> passes{};
     bool planned = true;  ///< false: used only for references
 };
 

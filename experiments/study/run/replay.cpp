@@ -123,27 +123,31 @@ Result<ReplayOutcome> replay_run(ExperimentConfig config, const std::string& dir
     ReplayOutcome outcome;
     outcome.difference = damage_of(*run);
     if (!outcome.difference.empty()) return outcome;
-    auto record = read_record(run->directory);
-    if (!record) return record.error();
+    if (!run->passes.empty() && run->budget_kind != BudgetKind::samples)
+        return directory_error(run->directory, "each pass of this cell reached its own number of samples in its time");
     config.base.settings.machine.isa = run->isa;
     SceneStore scenes(config);
     auto again = render_again({config, *plan, scenes, directory, {}, stop}, *planned, *run);
     if (!again) return again.error();
     if (!again->output.samples.complete) return outcome;
-    outcome.difference = record->difference_from(again->output.frame_buffer);
-    if (!outcome.difference.empty()) return outcome;
-    std::string before, now;
-    record->append_record(before);
-    again->output.frame_buffer.append_record(now);
-    if (before != now) {
-        outcome.difference = "record.bin: the sums of its pixels";
-        for (const SceneInfo& each : results->scenes)
-            if (auto scene = scenes.scene(planned->scene);
-                each.name == run->scene && scene && (*scene)->hash != each.hash)
-                outcome.difference += "; the scene's files have changed since";
-        return outcome;
+    if (run->passes.empty()) {  // a sum of passes has no record
+        auto record = read_record(run->directory);
+        if (!record) return record.error();
+        outcome.difference = record->difference_from(again->output.frame_buffer);
+        if (!outcome.difference.empty()) return outcome;
+        std::string before, now;
+        record->append_record(before);
+        again->output.frame_buffer.append_record(now);
+        if (before != now) {
+            outcome.difference = "record.bin: the sums of its pixels";
+            for (const SceneInfo& each : results->scenes)
+                if (auto scene = scenes.scene(planned->scene);
+                    each.name == run->scene && scene && (*scene)->hash != each.hash)
+                    outcome.difference += "; the scene's files have changed since";
+            return outcome;
+        }
+        outcome.compared = {"record.bin"};
     }
-    outcome.compared = {"record.bin"};
     auto scene = scenes.scene(planned->scene, config.variants[planned->variant].effects);
     if (!scene) return scene.error();
     if (Status s = compare_files(*run, *again, *(*scene)->loaded, outcome); !s) return s.error();

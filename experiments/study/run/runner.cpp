@@ -111,9 +111,11 @@ class Run {
         }
         for (const PlannedRun& each : plan_.runs) experiment_.planned.push_back(each.run);
         for (const MethodRequest& each : config_.methods) {
-            const std::string integrator = each.settings.paths.integrator ? each.settings.paths.integrator->type : "";
-            experiment_.methods.push_back(
-                {each.name, integrator, each.command, each.unbiased, settings_text(each.settings, each.effects)});
+            std::string integrator = each.settings.paths.integrator ? each.settings.paths.integrator->type : "";
+            for (const PassRequest& pass : each.passes)
+                integrator += (integrator.empty() ? "" : " + ") + pass.method.type;
+            experiment_.methods.push_back({each.name, integrator, each.command, each.unbiased,
+                                           settings_text(each.settings, each.effects, each.passes)});
         }
         bool any_died = false;
         for (std::size_t i = 0; i < config_.scenes.size(); ++i) {

@@ -30,7 +30,7 @@ class LightTracer final : public Integrator {
         emitters_ = LightEmitters(context_, options_.max_depth);
         return camera_->prepare(context);
     }
-    [[nodiscard]] std::vector<std::string> omissions() const override;
+    [[nodiscard]] std::vector<Omission> omissions() const override;
     [[nodiscard]] std::unique_ptr<IntegratorThread> make_thread_state() const override {
         auto thread = std::make_unique<LightTracerThread>(context_, emitters_, options_);
         thread->camera = camera_->make_thread_state();
@@ -63,25 +63,33 @@ void LightTracer::integrate(const CameraBatch& batch, IntegratorThread& state, T
     for (const InvalidPower& each : light.invalid_powers()) reject_power(services, batch.rows[each.row], each.power);
 }
 
-std::vector<std::string> LightTracer::omissions() const {
+std::vector<Omission> LightTracer::omissions() const {
     if (options_.max_depth == 0) return {};
     const SceneView& scene = context_.scene;
     const UnconnectedSurfaces unconnected = unconnected_surfaces(scene);
-    const std::pair<bool, const char*> causes[] = {
+    struct Cause {
+        bool applies;
+        const char* text;
+        bool is_declared;
+    };
+    const Cause causes[] = {
         {scene.media->any_emits(),
-         "finds light that media emit only where the camera sees it directly: C.+O is missing from the image"},
+         "finds light that media emit only where the camera sees it directly: C.+O is missing from the image", true},
         {context_.events->wants_user(),
          "reports user events of surfaces only where the camera sees them directly: C.+U is "
-         "missing from such layers"},
+         "missing from such layers",
+         false},
         {unconnected.curves,
          "sees flat curves and tubes from where light comes, not from the camera: they look otherwise than with "
-         "'path' or 'bdpt'"},
+         "'path' or 'bdpt'",
+         false},
         {unconnected.specular,
          "does not find what the camera sees by a mirror or through smooth glass: paths whose first scattering is "
-         "singular (C<.S>.* in the osl dialect) are missing from the image"}};
-    std::vector<std::string> omitted;
-    for (const auto& [applies, text] : causes)
-        if (applies) omitted.push_back(std::string("integrator 'lighttracer' ") + text);
+         "singular (C<.S>.* in the osl dialect) are missing from the image",
+         true}};
+    std::vector<Omission> omitted;
+    for (const Cause& each : causes)
+        if (each.applies) omitted.push_back({std::string("integrator 'lighttracer' ") + each.text, each.is_declared});
     return omitted;
 }
 

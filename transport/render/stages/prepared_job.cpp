@@ -74,8 +74,9 @@ Result<PreparedJob> PreparedJob::prepare(ResolvedJob resolved) {
         job.settings.channels.takes.empty() ? make_path_plan(prepared.context(), job.integrator().plan_request())
                                             : PlannedPaths{});
     if (Status s = job.integrator().prepare(prepared.context()); !s) return s.error();
-    for (std::string& omission : job.integrator().omissions())
-        job.warnings.push_back(error_at({}, std::move(omission)));
+    for (Omission& omission : job.integrator().omissions())
+        if (!omission.is_declared || job.settings.channels.takes.empty())
+            job.warnings.push_back(error_at({}, std::move(omission.text)));
     if (!job.integrator().traits().cutouts && job.scene.view().tests_alpha())
         job.warnings.push_back(
             error_at({},

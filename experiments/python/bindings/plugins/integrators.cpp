@@ -28,9 +28,9 @@ class PythonIntegrator final : public transport::Integrator {
         context_ = context;
         return success();
     }
-    [[nodiscard]] std::vector<std::string> omissions() const override {
-        std::vector<std::string> all;
-        if (context_.scene.asks_for_media()) all.emplace_back("media: rays of Python integrators ignore them");
+    [[nodiscard]] std::vector<transport::Omission> omissions() const override {
+        std::vector<transport::Omission> all;
+        if (context_.scene.asks_for_media()) all.push_back({"media: rays of Python integrators ignore them"});
         return all;
     }
     void integrate(const transport::CameraBatch& camera, transport::IntegratorThread& thread,

@@ -8,6 +8,8 @@
 
 #include "experiments/program/console.h"
 #include "experiments/report/html.h"
+#include "experiments/study/metrics.h"
+#include "experiments/study/plan/plan.h"
 #include "experiments/study/report/measures/study_files.h"
 #include "experiments/study/report/page/study_tables.h"
 
@@ -31,6 +33,32 @@ std::string residual_picture(const Study& study, const std::string& scene, const
                data_uri(png) + "\"><figcaption>" + escape_html(scene + ", " + partition) + "</figcaption></figure>\n";
     }
     return {};
+}
+
+/// Returns the relative error of a channel, from its variance between replicates. Negative if there is only one
+/// replicate, or if a file is missing.
+double error_between(const std::vector<const StudyRun*>& cells, const std::string& channel) {
+    const auto count = static_cast<double>(cells.size());
+    if (count < 2) return -1;
+    std::vector<double> beauty, mean;
+    std::vector<std::vector<double>> images;
+    const auto add = [&](std::vector<double>& sum, const std::vector<double>& values) {
+        sum.resize(values.size());
+        for (std::size_t i = 0; i < values.size(); ++i) sum[i] += values[i] / count;
+    };
+    for (const StudyRun* cell : cells) {
+        const auto whole = read_mean(cell->directory, "beauty"), part = read_mean(cell->directory, channel);
+        if (!whole || !part) return -1;
+        add(beauty, whole->values);
+        add(mean, part->values);
+        images.push_back(part->values);
+    }
+    double squares = 0;
+    for (std::vector<double>& image : images) {
+        for (std::size_t i = 0; i < image.size(); ++i) image[i] += beauty[i] - mean[i];
+        squares += display::measure_errors(image, beauty)[display::ErrorMetric::relmse_mean];
+    }
+    return relative_error(squares / (count - 1));
 }
 
 }  // namespace
@@ -111,6 +139,42 @@ std::string costs_table(const Study& study) {
         "<th>Scene</th><th>Variant</th><th>Cells</th><th>Wall time</th><th>CPU time</th><th>Wall time by phase</th>"
         "<th>Million rays per second</th><th>Contributions not finite</th><th>Peak memory</th>",
         rows);
+}
+
+std::string passes_table(const Study& study) {
+    std::map<std::string, std::vector<const StudyRun*>> replicates;  // by scene, variant and budget, in the order of it
+    std::vector<std::string> order;
+    for (const StudyRun& cell : study.experiment->runs) {
+        if (cell.failed || cell.passes.empty()) continue;
+        const std::string key = cell.scene + "\n" + variant_name(cell) + "\n" + number_text(cell.budget, 17);
+        if (!replicates.contains(key)) order.push_back(key);
+        replicates[key].push_back(&cell);
+    }
+    std::string rows;
+    for (const std::string& key : order) {
+        const std::vector<const StudyRun*>& cells = replicates.at(key);
+        const StudyRun& first = *cells.front();
+        for (std::size_t i = 0; i < first.passes.size(); ++i) {
+            double samples = 0, seconds = 0;
+            for (const StudyRun* cell : cells) {
+                samples += cell->passes[i].samples_per_pixel / static_cast<double>(cells.size());
+                seconds += cell->passes[i].cpu_seconds / static_cast<double>(cells.size());
+            }
+            const double error = error_between(cells, "pass_" + first.passes[i].name);
+            rows += "<tr>" + text_cell(first.scene) + text_cell(variant_name(first)) +
+                    text_cell(budget_text(first.budget_kind, first.budget)) + text_cell(first.passes[i].name) +
+                    text_cell(first.passes[i].method) + number_cell(number_text(samples)) +
+                    number_cell(duration_text(seconds)) + number_cell(error >= 0 ? percent_text(error) : "&ndash;") +
+                    "</tr>\n";
+        }
+    }
+    if (rows.empty()) return {};
+    return "<h3>Passes</h3>\n" +
+           table(
+               "<th>Scene</th><th>Variant</th><th>Budget</th><th>Pass</th><th>Method</th><th>Samples per pixel</th>"
+               "<th>CPU time</th><th class=\"formula\">Relative error<code>sqrt(mean(Var(pass) / (b^2 + (0.1 m)^2))), "
+               "b the mean beauty of the replicates</code></th>",
+               rows);
 }
 
 std::string references_table(const Study& study) {

@@ -264,7 +264,7 @@ std::string study_page(const Study& study, const std::vector<Plot>& plots, const
         "</style>\n</head>\n<body>\n<h1>" + escape_html(experiment.name) + "</h1>\n" + summary(study) + contents +
         "</nav>\n" + scenes + image_viewers(pictures) + "<section id=\"splits\"><h2>Split sums</h2>\n" +
         splits_table(study) + "</section>\n<section id=\"costs\"><h2>Time and rays</h2>\n" + costs_table(study) +
-        predictions_text(study) + "</section>\n<section id=\"references\"><h2>References</h2>\n" +
+        passes_table(study) + predictions_text(study) + "</section>\n<section id=\"references\"><h2>References</h2>\n" +
         references_table(study) + "</section>\n<section id=\"omissions\"><h2>Omissions</h2>\n" +
         omissions_table(study) + "</section>\n<section id=\"provenance\"><h2>Provenance</h2>\n" +
         provenance_table(study) + "</section>\n";

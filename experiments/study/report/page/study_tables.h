@@ -34,6 +34,8 @@ std::string counterexample_list(const Study& study, const SceneInfo& scene);
 std::string predictions_text(const Study& study);
 std::string splits_table(const Study& study);
 std::string costs_table(const Study& study);
+/// Returns a table with the error and the time of each pass; empty without passes.
+std::string passes_table(const Study& study);
 std::string references_table(const Study& study);
 std::string omissions_table(const Study& study);
 std::string provenance_table(const Study& study);

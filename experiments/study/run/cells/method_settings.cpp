@@ -20,9 +20,17 @@ void add_entity(NamedValues& values, const std::string& name, const transport::S
 
 }  // namespace
 
-NamedValues settings_text(const transport::RenderSettings& settings, const transport::EffectChoices& effects) {
+NamedValues settings_text(const transport::RenderSettings& settings, const transport::EffectChoices& effects,
+                          const std::vector<PassRequest>& passes) {
     NamedValues values;
     if (settings.paths.integrator) add_entity(values, "integrator", *settings.paths.integrator);
+    for (std::size_t i = 0; i < passes.size(); ++i) {
+        const std::string name = "passes." + std::to_string(i + 1);
+        add_entity(values, name, passes[i].method);
+        values.emplace_back(name + ".takes", passes[i].takes);
+        values.emplace_back(name + ".spp", std::to_string(passes[i].samples_per_pixel.value_or(1)));
+        values.emplace_back(name + ".share", number_text(passes[i].time_share, 17));
+    }
     if (settings.samples.sampler) add_entity(values, "sampler", *settings.samples.sampler);
     if (settings.film.filter) add_entity(values, "filter", *settings.film.filter);
     if (!settings.channels.beauty) values.emplace_back("beauty", "off");

@@ -26,7 +26,8 @@ std::string reference_identity(const ExperimentConfig& config, const StudyScene&
                                const Variant& variant, std::uint64_t seed) {
     std::string text =
         "scene " + scene.hash + "\nsize " + std::to_string(scene.width) + "x" + std::to_string(scene.height);
-    for (const auto& [key, value] : settings_text(variant.render, variant.effects)) text += "\n" + key + " = " + value;
+    for (const auto& [key, value] : settings_text(variant.render, variant.effects, variant.passes))
+        text += "\n" + key + " = " + value;
     text += "\nseed " + std::to_string(seed) + "\nsamples " + std::to_string(config.reference.samples) + "\nerror " +
             number_text(config.reference.error, 17);
     for (const ChannelInfo& each : channel_infos(channels))
@@ -124,7 +125,8 @@ Json reference_json(const ExperimentConfig& config, const Rendered& rendered, st
                     const std::string& identity) {
     Json settings = Json::object();
     const Variant& variant = config.variants[config.reference.variant];
-    for (const auto& [key, value] : settings_text(variant.render, variant.effects)) settings[key] = value;
+    for (const auto& [key, value] : settings_text(variant.render, variant.effects, variant.passes))
+        settings[key] = value;
     return {{"method", config.reference.method},
             {"settings", settings},
             {"samples_per_pixel", rendered.output.samples.per_pixel},

@@ -21,15 +21,15 @@ std::size_t size_of(int side) {
 }
 
 /// Writes the arrays of one channel of light.
-Status write_channel(const std::string& directory, const std::string& name, const display::FrameBuffer& buffer,
-                     display::ChannelId id, const std::vector<std::uint64_t>& samples) {
-    const display::FrameBufferLayout& layout = buffer.layout();
-    PixelArray array{size_of(layout.height), size_of(layout.width), 3,
-                     buffer.resolve(id, {0, 0, layout.width, layout.height})};
+Status write_channel(const std::string& directory, const std::string& name, const display::PixelImage& image,
+                     const display::FrameBuffer* buffer, display::ChannelId id,
+                     const std::vector<std::uint64_t>& samples) {
+    const display::FrameBufferLayout& layout = image.layout();
+    PixelArray array{size_of(layout.height), size_of(layout.width), 3, image.resolve(id)};
     if (Status s = write_npy(directory + "/" + name + ".mean.npy", array, display::FileSync::later); !s) return s;
-    if (buffer.light_path_count() > 0)
+    if (buffer == nullptr || buffer->light_path_count() > 0)
         return success();  // no moments, because they would contain camera samples without splats
-    std::vector<double> variance = buffer.resolve_variance_of_mean(id);
+    std::vector<double> variance = buffer->resolve_variance_of_mean(id);
     if (variance.empty()) return success();
     for (std::size_t i = 0; i < variance.size(); ++i) {
         const auto n = static_cast<double>(samples[i / 3]);
@@ -58,62 +58,37 @@ Status on_two_processors(const std::vector<std::function<Status()>>& tasks) {
     return failed == done.end() ? success() : *failed;
 }
 
-}  // namespace
-
-std::vector<ChannelInfo> channel_infos(const ChannelPlan& plan) {
-    std::vector<ChannelInfo> infos{{"beauty", "C.*", "renderman", true}};
-    for (const display::ChannelDefinition& each : plan.channels)
-        if (is_light(each))
-            infos.push_back(
-                {each.name, each.expression, each.dialect == lpe::Dialect::osl ? "osl" : "renderman", false});
-    return infos;
-}
-
-Result<std::vector<PartitionResult>> write_render_files(const std::string& directory, const Rendered& rendered,
-                                                        const JobScene& scene,
-                                                        const std::map<std::string, std::string>& attributes) {
-    return write_buffer_files(directory, rendered.output.frame_buffer, rendered.output.beauty,
-                              image_description(rendered.job, scene, rendered.output, rendered.partitions, attributes),
-                              record_identity(rendered));
-}
-
-display::RecordIdentity record_identity(const Rendered& rendered) {
-    const transport::RenderOutput& output = rendered.output;
-    return {{"scene", rendered.job.scene_file},
-            {"seed", std::to_string(output.used.seed)},
-            {"samples per pixel", std::to_string(output.samples.per_pixel)},
-            {"instruction set", output.used.isa}};
-}
-
-Result<std::vector<PartitionResult>> write_buffer_files(const std::string& directory,
-                                                        const display::FrameBuffer& buffer, display::ChannelId beauty,
-                                                        display::ImageDescription description,
-                                                        display::RecordIdentity identity) {
+/// Writes the files of an image. `buffer` is the image, or null for a sum of passes, which has no record and whose
+/// moments are unknown.
+Result<std::vector<PartitionResult>> write_files(const std::string& directory, const display::PixelImage& pixels,
+                                                 const display::FrameBuffer* buffer, display::ChannelId beauty,
+                                                 display::ImageDescription description,
+                                                 display::RecordIdentity identity) {
     const std::string image = directory + "/image.exr";
     description.sync = display::FileSync::later;
     // A study has thousands of such images beside much larger sums, so speed matters more than size.
     for (const char* kind : {"light", "color"})
         if (Status s = display::override_exr_storage(description.storage, kind, "float none", {}); !s) return s.error();
-    const int width = buffer.layout().width, height = buffer.layout().height;
+    const int width = pixels.layout().width, height = pixels.layout().height;
     std::vector<std::uint64_t> samples;
-    samples.reserve(size_of(width) * size_of(height));
-    for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x) samples.push_back(buffer.sample_count(x, y));
+    for (int y = 0; buffer != nullptr && y < height; ++y)
+        for (int x = 0; x < width; ++x) samples.push_back(buffer->sample_count(x, y));
     std::vector<display::SplitResult> splits;
     std::vector<std::function<Status()>> files;  // the largest first
-    files.emplace_back([&] { return write_sums(directory + "/record.bin", identity, buffer); });
-    files.emplace_back([&] { return display::write_exr(image, buffer, beauty, description, &splits); });
-    const auto channels = buffer.channels();
+    if (buffer != nullptr) files.emplace_back([&] { return write_sums(directory + "/record.bin", identity, *buffer); });
+    files.emplace_back([&] { return display::write_exr(image, pixels, beauty, description, &splits); });
+    const auto channels = pixels.channels();
     for (std::size_t i = 0; i < channels.size(); ++i) {
         const auto id = static_cast<display::ChannelId>(i);
         if (!is_light(channels[i])) continue;
         const std::string name = id == beauty ? "beauty" : channels[i].name;
-        files.emplace_back([&, id, name] { return write_channel(directory, name, buffer, id, samples); });
+        files.emplace_back([&, id, name] { return write_channel(directory, name, pixels, buffer, id, samples); });
     }
-    files.emplace_back([&] {
-        return write_npy_counts(directory + "/samples.npy", size_of(height), size_of(width), samples,
-                                display::FileSync::later);
-    });
+    if (buffer != nullptr)
+        files.emplace_back([&] {
+            return write_npy_counts(directory + "/samples.npy", size_of(height), size_of(width), samples,
+                                    display::FileSync::later);
+        });
     if (Status s = on_two_processors(files); !s) return s.error();
     std::vector<PartitionResult> results;
     for (const display::SplitResult& each : splits) {
@@ -132,6 +107,41 @@ Result<std::vector<PartitionResult>> write_buffer_files(const std::string& direc
         }
     }
     return results;
+}
+
+}  // namespace
+
+std::vector<ChannelInfo> channel_infos(const ChannelPlan& plan) {
+    std::vector<ChannelInfo> infos{{"beauty", "C.*", "renderman", true}};
+    for (const display::ChannelDefinition& each : plan.channels)
+        if (is_light(each))
+            infos.push_back(
+                {each.name, each.expression, each.dialect == lpe::Dialect::osl ? "osl" : "renderman", false});
+    return infos;
+}
+
+Result<std::vector<PartitionResult>> write_render_files(const std::string& directory, const Rendered& rendered,
+                                                        const JobScene& scene,
+                                                        const std::map<std::string, std::string>& attributes) {
+    const transport::RenderOutput& output = rendered.output;
+    return write_files(directory, output.image(), output.sum ? nullptr : &output.frame_buffer, output.beauty,
+                       image_description(rendered.job, scene, output, rendered.partitions, attributes),
+                       record_identity(rendered));
+}
+
+display::RecordIdentity record_identity(const Rendered& rendered) {
+    const transport::RenderOutput& output = rendered.output;
+    return {{"scene", rendered.job.scene_file},
+            {"seed", std::to_string(output.used.seed)},
+            {"samples per pixel", std::to_string(output.samples.per_pixel)},
+            {"instruction set", output.used.isa}};
+}
+
+Result<std::vector<PartitionResult>> write_buffer_files(const std::string& directory,
+                                                        const display::FrameBuffer& buffer, display::ChannelId beauty,
+                                                        display::ImageDescription description,
+                                                        display::RecordIdentity identity) {
+    return write_files(directory, buffer, &buffer, beauty, std::move(description), std::move(identity));
 }
 
 Result<std::vector<std::string>> write_image_files(const std::string& directory, const std::string& path, int width,

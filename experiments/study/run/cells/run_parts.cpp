@@ -20,6 +20,7 @@ constexpr auto block = static_cast<std::uint64_t>(transport::TileGrid::block_siz
 std::string reason_of_plan(const ExperimentConfig& config, const PlannedRun& planned) {
     const Variant& variant = config.variants[planned.variant];
     if (!config.methods[variant.method].command.empty()) return "an external command renders whole cells";
+    if (!variant.passes.empty()) return "its passes have numbers of samples of their own";
     if (planned.run.budget_kind != BudgetKind::samples)
         return "the number of samples for a budget of " + budget_kind_name(planned.run.budget_kind) +
                " is not known in advance";

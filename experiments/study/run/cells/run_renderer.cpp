@@ -12,6 +12,7 @@
 #include "display/output/atomic_file.h"
 #include "display/output/reader/exr_layers.h"
 #include "display/services/parameters.h"
+#include "experiments/job/passes/pass_render.h"
 #include "experiments/job/rendering/provenance.h"
 #include "experiments/program/console.h"
 #include "experiments/study/results_file.h"
@@ -106,8 +107,9 @@ void apply_budget(const StudyRun& run, double seconds_per_sample, RenderOrder& o
 /// Renders with checkpoints if possible. Some integrators, and filter mode splat, have none; an interruption then loses
 /// the whole cell.
 Result<Rendered> render_saved(const WorkContext& context, RenderOrder order, const std::string& partial) {
-    const transport::RenderSettings& settings = context.config.variants[order.variant].render;
-    order.checkpoint = checkpoints(context.config, partial, !settings.film.splat);
+    const Variant& variant = context.config.variants[order.variant];
+    const transport::RenderSettings& settings = variant.render;
+    order.checkpoint = checkpoints(context.config, partial, !settings.film.splat && variant.passes.empty());
     auto rendered = context.scenes.render(order, forward(context), context.stop);
     if (rendered || !order.checkpoint || order.checkpoint->resume) return rendered;
     if (rendered.error().message.find("checkpoint") == std::string::npos) return rendered;
@@ -123,6 +125,7 @@ std::map<std::string, std::string> attributes_of(const WorkContext& context, con
     attributes.erase("raylex/color_config");
     attributes["raylex/experiment"] = context.config.name + " " + context.config.hash;
     attributes["raylex/cell"] = id;
+    if (!rendered.pass_lines.empty()) attributes[passes_attribute] = rendered.pass_lines;
     return attributes;
 }
 
@@ -140,6 +143,7 @@ void take_results(const Rendered& rendered, StudyRun& run) {
     run.threads = static_cast<unsigned>(output.used.threads);
     run.warnings = rendered.warnings;
     run.omits = rendered.omits;
+    run.passes = rendered.passes;
     if (run.invalid_samples > 0)
         run.warnings.push_back(
             std::to_string(run.invalid_samples) +

@@ -38,7 +38,8 @@ std::uint64_t peak_memory_since_reset() {
 }  // namespace
 
 double relative_error(const transport::RenderOutput& output) {
-    if (output.beauty < 0 || !output.frame_buffer.channels()[static_cast<std::size_t>(output.beauty)].statistics)
+    if (output.sum || output.beauty < 0 ||
+        !output.frame_buffer.channels()[static_cast<std::size_t>(output.beauty)].statistics)
         return -1;
     display::AdaptiveSettings settings;
     settings.neighbourhood = 0;
@@ -51,6 +52,7 @@ double relative_error(const transport::RenderOutput& output) {
 Result<Job> SceneStore::job_of(std::size_t scene, std::size_t variant) {
     Job job = config_.job(scene, config_.variants[variant]);
     job.measure_refuted = true;
+    if (Status possible = begin_passes(job); !possible) return possible.error();
     return job;
 }
 
@@ -98,7 +100,16 @@ Result<const ChannelPlan*> SceneStore::channels(std::size_t scene_index, std::si
     if (!words) return words.error();
     auto plan = plan_channels(*job, *words);
     if (!plan) return plan.error();
-    omissions_[key] = omissions(*job, **made, *words);
+    if (!job->passes.empty()) {
+        StudyPasses& of_variant = passes_[key];
+        of_variant.channels = *plan;
+        auto passes = plan_passes(*job, (*made)->loaded->scene, *words, of_variant.channels);
+        if (!passes) return passes.error();
+        if (!passes->refuted.empty()) return error_at({}, passes->refuted);
+        of_variant.plan = *std::move(passes);
+    } else {
+        omissions_[key] = omissions(*job, **made, *words);
+    }
     std::set<std::string> ruled;
     for (const display::RuleRequest& each : job->settings.channels.rules) ruled.insert(each.channel);
     for (display::ChannelDefinition& channel : plan->channels)
@@ -156,7 +167,20 @@ Result<Rendered> SceneStore::render(const RenderOrder& order,
     auto assembled = job_of(order.scene, order.variant);
     if (!assembled) return assembled.error();
     Job& job = *assembled;
-    job.settings.channels.list = (*plan)->channels;
+    const ChannelPlan* rendered = *plan;
+    PassPlan passes;
+    std::uint64_t samples_of_passes = 0;  // for each sample of the budget
+    if (const auto found = passes_.find({order.scene, order.variant}); found != passes_.end()) {
+        passes = found->second.plan;
+        rendered = &found->second.channels;
+        for (PlannedPass& pass : passes.passes) {
+            const std::uint64_t samples = pass.samples_per_pixel.value_or(1);
+            samples_of_passes += samples;
+            pass.samples_per_pixel.reset();
+            if (order.samples > 0) pass.samples_per_pixel = order.samples * samples;
+        }
+    }
+    job.settings.channels.list = rendered->channels;
     if (order.samples > 0) job.settings.samples.per_pixel = order.samples;
     job.settings.samples.seed = order.seed;
     job.settings.stop.limit = order.limit;
@@ -170,9 +194,9 @@ Result<Rendered> SceneStore::render(const RenderOrder& order,
     const auto baseline_cpu = [&] { return order.beside == nullptr ? 0.0 : order.beside->cpu_seconds(); };
     const double before = baseline_cpu();
     const transport::Stopwatch watch;
-    auto output = [&]() -> Result<transport::RenderOutput> {
+    auto output = [&]() -> Result<JobOutput> {
         try {
-            return transport::render(*(*made)->built, job.settings, progress, stop);
+            return render_job(job, passes, (*made)->loaded->scene, *(*made)->built, progress, stop);
         } catch (const std::bad_alloc&) {
             return error_at({}, "out of memory; use a smaller resolution or fewer channels");
         }
@@ -180,18 +204,24 @@ Result<Rendered> SceneStore::render(const RenderOrder& order,
     const double wall = watch.wall(), cpu = watch.process_cpu() - (baseline_cpu() - before);
     seconds_ += wall;
     if (!output) return output.error();
-    const transport::RenderStatistics& statistics = output->statistics;
+    const transport::RenderStatistics& statistics = output->output.statistics;
     // The statistics include sessions before an interruption; the stopwatch does not.
     const Phase prepare{"prepare", std::max(0.0, wall - statistics.render_seconds),
                         std::max(0.0, cpu - statistics.render_cpu_seconds)};
     const Phase rendering{"render", statistics.render_seconds, statistics.render_cpu_seconds};
     std::vector<std::string> warnings = (*made)->loaded->warnings;
     warnings.insert(warnings.end(), (*plan)->notes.begin(), (*plan)->notes.end());
-    for (const Error& each : output->warnings) warnings.push_back(each.to_string());
+    for (const Error& each : output->output.warnings) warnings.push_back(each.to_string());
     const Phase& planning = channels_.at({order.scene, order.variant}).second;
+    if (samples_of_passes > 0) output->output.samples.per_pixel /= samples_of_passes;
+    std::vector<PassResult> of_passes;
+    for (const PassRecord& each : output->passes)
+        of_passes.push_back({each.name, each.method, each.samples_per_pixel, each.cpu_seconds});
     return Rendered{.job = std::move(job),
-                    .output = *std::move(output),
-                    .partitions = (*plan)->partitions,
+                    .output = std::move(output->output),
+                    .partitions = rendered->partitions,
+                    .passes = std::move(of_passes),
+                    .pass_lines = output->pass_lines(),
                     .phases = {(*made)->load, planning, (*made)->build, prepare, rendering},
                     .warnings = std::move(warnings),
                     .omits = omissions_[{order.scene, order.variant}],

@@ -13,6 +13,7 @@
 
 #include "experiments/job/channels/channel_plan.h"
 #include "experiments/job/channels/scene_path_strings.h"
+#include "experiments/job/passes/pass_render.h"
 #include "experiments/job/rendering/job_scene.h"
 #include "experiments/study/plan/config.h"
 #include "experiments/study/results.h"
@@ -43,7 +44,9 @@ struct Rendered {
     Job job;
     transport::RenderOutput output;
     std::vector<display::PartitionDeclaration> partitions;
-    std::vector<Phase> phases;  ///< load, plan, build, prepare, render
+    std::vector<PassResult> passes;  ///< of a method with several passes
+    std::string pass_lines;          ///< JobOutput::pass_lines()
+    std::vector<Phase> phases;       ///< load, plan, build, prepare, render
     std::vector<std::string> warnings;
     std::vector<OmittedPathsInfo> omits;  ///< paths of this scene that the integrator declares not to find
     std::uint64_t peak_memory_bytes = 0;
@@ -81,6 +84,11 @@ class SceneStore {
     std::map<std::pair<std::size_t, std::string>, StudyScene> scenes_;  // by scene and choice of effects
     std::map<std::pair<std::size_t, std::size_t>, std::vector<OmittedPathsInfo>> omissions_;
     std::map<std::pair<std::size_t, std::size_t>, std::pair<ChannelPlan, Phase>> channels_;
+    struct StudyPasses {
+        PassPlan plan;
+        ChannelPlan channels;  // those of `channels_`, and a layer for each pass
+    };
+    std::map<std::pair<std::size_t, std::size_t>, StudyPasses> passes_;  // of variants with passes
     double seconds_ = 0;
 };
 

@@ -1,0 +1,128 @@
+// raylex passes: proposes passes for a scene, from small renders by each method.
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "display/output/atomic_file.h"
+#include "experiments/cli/commands.h"
+#include "experiments/cli/loading_line.h"
+#include "experiments/cli/option_group.h"
+#include "experiments/cli/plugin_options.h"
+#include "experiments/job/job_file.h"
+#include "experiments/job/rendering/job_scene.h"
+#include "experiments/program/console.h"
+#include "experiments/program/exit_codes.h"
+#include "experiments/program/interrupt.h"
+#include "experiments/propose/proposal.h"
+#include "experiments/shards/shard_render.h"
+#include "lpe/channels/file_text.h"
+
+namespace raylex::experiments {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct PassesOptions {
+    std::string input, output;
+    std::vector<std::string> plugins;
+    bool propose = false;
+    std::uint64_t samples = 0;
+    PilotSettings pilot;
+};
+
+/// Returns the beginning of the proposed job: the job of the input, or a [scene] table.
+Result<std::string> job_text(const Job& job, const std::string& output) {
+    std::error_code failed;
+    const fs::path folder = output.empty() ? fs::current_path() : fs::absolute(output).parent_path();
+    if (job.job_file.empty())
+        return "[scene]\nfile = " + lpe::quoted(fs::relative(job.scene_file, folder, failed).string()) + "\n\n";
+    if (!fs::equivalent(folder, fs::absolute(job.job_file).parent_path(), failed))
+        return error_at({output, 0, 0}, "the paths in '" + job.job_file + "' are relative to its folder",
+                        "expected -o FILE.toml in that folder");
+    return job.job_text + (job.job_text.ends_with('\n') ? "\n" : "\n\n");
+}
+
+Status check_proposable(const Job& job) {
+    const auto refuse = [&](const std::string& what) -> Status {
+        return error_at({job.job_file, 0, 0}, "the job has " + what +
+                                                  "; expected a job without, because passes are "
+                                                  "proposed");
+    };
+    if (!job.passes.empty()) return refuse("passes");
+    if (job.settings.paths.integrator) return refuse("an integrator");
+    return success();
+}
+
+int propose(const PassesOptions& options) {
+    install_interrupt_handler();
+    if (Status loaded = load_plugins(options.plugins); !loaded) return report_error(loaded.error());
+    auto job = read_scene_or_job(options.input);
+    if (!job) return report_error(job.error());
+    if (Status possible = check_proposable(*job); !possible) return report_error(possible.error());
+    const auto begin = job_text(*job, options.output);
+    if (!begin) return report_error(begin.error());
+    if (!options.output.empty())
+        if (Status writable = display::check_writable(options.output); !writable) return report_error(writable.error());
+    LoadingLine loading;
+    auto scene = load_job_scene(*job, loading.progress());
+    auto built = scene ? transport::BuiltScene::build((*scene)->scene, job->settings.machine, loading.progress())
+                       : scene.error();
+    loading.finish();
+    if (!built) return report_error(built.error());
+    if (const auto ignored = ask_for_film_clamp((*scene)->scene, *job)) print_warning(*ignored);
+    auto samples = samples_of_job(*job, (*scene)->scene);
+    if (!samples) return report_error(samples.error());
+    if (options.samples > 0) samples = options.samples;
+    const auto passes = propose_passes(*job, **scene, **built, *samples, options.pilot);
+    if (!passes) return report_error(passes.error());
+    if (options.output.empty()) {
+        write_output(*begin + *passes);
+        return exit_holds;
+    }
+    if (Status written = write_text(options.output, *begin + *passes); !written) return report_error(written.error());
+    write_output(*passes);
+    print_line("\n" + options.output + ": raylex render " + options.output + " renders these passes");
+    return exit_holds;
+}
+
+}  // namespace
+
+void add_passes_command(CLI::App& app, CommandContext& context) {
+    CLI::App* command =
+        app.add_subcommand("passes", "Proposes a method for each class of paths, from small renders by each method.");
+    auto options = std::make_shared<PassesOptions>();
+    PilotSettings& pilot = options->pilot;
+    command
+        ->add_option("SCENE.pbrt|JOB.toml", options->input, "a pbrt-v4 scene, or a job without integrator and passes")
+        ->required()
+        ->option_text("(required)");
+    const OptionGroup group(*command, "Options");
+    group
+        .add_flag("--propose", options->propose,
+                  "renders pilots by path, lighttracer and bdpt, and prints a job with the passes that minimise the "
+                  "forecast product of squared error and CPU time")
+        ->required();
+    group.add("-o,--output", options->output, "FILE.toml", "writes the job to a file; default: standard output");
+    group.add(
+        "--spp", options->samples, "N",
+        "samples per pixel of the best single method, whose CPU time the passes take; default: those of the scene "
+        "or job");
+    group.add("--pilot-side", pilot.longer_side, "N", "longer side of the pilots in pixels; default 64")
+        ->check(CLI::Range(8, 4096));
+    group.add("--pilot-samples", pilot.samples, "N", "samples per pixel of each pilot; default 16")
+        ->check(CLI::Range(2, 1 << 20));
+    group.add("--pilot-seeds", pilot.seeds, "N", "renders of each pilot, which give its noise; default 8")
+        ->check(CLI::Range(3, 1000));
+    group.add("--seed", pilot.seed, "N", "seed of the first render; default 0");
+    add_plugin_option(*command, options->plugins);
+    command->footer(
+        "Samples of pilots enter no image. Measured CPU times differ from run to run, and so can the proposal; all "
+        "else "
+        "depends on the seed alone.\n"
+        "Exit codes: 0 success, 2 bad usage or input, 130 after Ctrl-C.");
+    command->callback([options, &context] { context.exit_code = propose(*options); });
+}
+
+}  // namespace raylex::experiments
