@@ -1,7 +1,7 @@
 // Passes from the command line: the file, its header, its proof, and refusals.
 #include <catch2/catch.hpp>
 
-#include "support.h"
+#include "cli/experiment_support.h"
 
 using namespace raylex::test;
 
@@ -56,4 +56,79 @@ TEST_CASE("render refuses passes that are no partition or that it does not suppo
                   {"passes do not support checkpoints"});
     check_refused(folder, "render room.pbrt -o a.exr --layer-passes", {"--layer-passes without passes"});
     check_refused(folder, "render room.pbrt -o a.exr --pass rest", {"--pass", "expected METHOD:EXPR"});
+}
+
+TEST_CASE("render denoises the sum of passes", "[passes][gate]") {
+    const SceneFolder folder;
+    const std::string passes = " --pass path:rest --pass 'lighttracer:C<RD>[LB]:spp=32' --spp 8 --light-groups";
+    const Outcome rendered = run_raylex(folder, "render room.pbrt -o a.exr --denoise --keep-noisy" + passes);
+    INFO(rendered.err);
+    REQUIRE(rendered.code == 0);
+    CHECK(run_raylex(folder, "verify a.exr").code == 0);
+    auto image = raylex::display::read_exr(folder.path("a.exr"));
+    REQUIRE(image);
+    CHECK(image->attributes.contains("raylex/denoised"));
+    for (const float variance : plane(*image, "beauty_mse", "G")) CHECK(variance >= 0);
+}
+
+TEST_CASE("passes --propose writes a job that render accepts", "[passes]") {
+    const SceneFolder folder;
+    const std::string small = " --propose --pilot-side 12 --pilot-samples 4 --pilot-seeds 3";
+    const Outcome proposed = run_raylex(folder, "passes room.pbrt --spp 4 -o p.toml" + small);
+    INFO(proposed.err);
+    REQUIRE(proposed.code == 0);
+    CHECK(contains(proposed.out, "squared error"));
+    CHECK(contains(proposed.err, "pilot of all paths by bdpt"));
+    CHECK(run_raylex(folder, "render p.toml -o p.exr --resolution 8x8").code == 0);
+    // a job keeps its other settings
+    folder.write("job.toml", "[scene]\nfile = 'room.pbrt'\n[render]\nmax_depth = 2");
+    const Outcome of_job = run_raylex(folder, "passes job.toml" + small);
+    CHECK(of_job.code == 0);
+    CHECK(contains(of_job.out, "max_depth = 2\n"));
+    CHECK(contains(of_job.out, "\n[[pass]]\nmethod = "));
+    folder.write("done.toml", "[scene]\nfile = 'room.pbrt'\n[[pass]]\nmethod = 'path'\ntakes = 'rest'\n");
+    check_refused(folder, "passes done.toml --propose", {"done.toml", "the job has passes"});
+    check_refused(folder, "passes room.pbrt", {"--propose is required"});
+}
+
+TEST_CASE("passes --propose gives caustics to the light tracer", "[passes][gate]") {
+    const SceneFolder folder;
+    const Outcome proposed = run_raylex(
+        folder, "passes '" + source_dir() + "/experiments/scenes/glass-caustic/scene.pbrt' --propose --spp 64");
+    INFO(proposed.out << proposed.err);
+    REQUIRE(proposed.code == 0);
+    CHECK(contains(proposed.out, "\nmethod = \"lighttracer\"\n"));
+    CHECK(contains(proposed.out, "\ntakes = \"rest\"\n"));
+    CHECK(contains(proposed.out, "Efficiency relative to bdpt alone"));
+}
+
+TEST_CASE("a study takes passes as a method", "[passes][gate]") {
+    const SceneFolder folder;
+    const std::string method =
+        "[[method]]\nname = \"passes\"\npasses = [{ method = \"path\", takes = \"rest\" },\n"
+        "    { method = \"lighttracer\", takes = \"C<RD>[LB]\", spp = 4 }]\n";
+    prepare(folder, experiment_config + method);
+    succeed(folder, "experiment run c.toml -o out --report");
+    const raylex::experiments::Experiment results = results_of(folder, "out");
+    std::size_t cells = 0;
+    for (const raylex::experiments::StudyRun& run : results.runs) {
+        CHECK_FALSE(run.failed);
+        if (run.method != "passes") continue;
+        ++cells;
+        REQUIRE(run.passes.size() == 2);
+        CHECK(run.samples_per_pixel == static_cast<std::uint64_t>(run.budget));
+        CHECK(run.passes[0].samples_per_pixel == run.budget);
+        CHECK(run.passes[1].samples_per_pixel == 4 * run.budget);
+        CHECK(run.passes[1].cpu_seconds > 0);
+        CHECK(raylex::experiments::read_mean(run.directory, "pass_lighttracer").ok());
+    }
+    CHECK(cells == 4);
+    const std::string page = folder.read("out/report.html");
+    CHECK(contains(page, "<h3>Passes</h3>"));
+    CHECK(contains(page, "<td>lighttracer</td>"));
+    succeed(folder, "experiment replay c.toml room.passes.4spp.r0 -o out");
+    folder.write("c.toml", experiment_config + method + "integrator = \"path\"\n");
+    check_refused(folder, "experiment run c.toml -o b", {"c.toml", "an integrator for all paths"});
+    folder.write("c.toml", experiment_config + method + "max_dept = 3\n");
+    check_refused(folder, "experiment run c.toml -o b", {"c.toml", "max_dept"});
 }

@@ -9,7 +9,7 @@
 namespace raylex::experiments {
 
 /// Returns all keys of a method's table. Other settings are the scene's, or defaults.
-NamedValues settings_text(const transport::RenderSettings& settings, const transport::EffectChoices& effects,
-                          const std::vector<PassRequest>& passes);
+NamedValues settings_text(const transport::RenderSettings& settings, const transport::EffectChoices& effects = {},
+                          const std::vector<PassRequest>& passes = {});
 
 }  // namespace raylex::experiments
