@@ -4,7 +4,7 @@
 
 Without scenes: glass-caustic, caustic-ball and window-light. A study renders each method on each scene: path,
 lighttracer and bdpt alone; caustics on surfaces by lighttracer or by bdpt with the rest by path; and what `raylex passes
---propose` proposes. The reference is by bdpt, with --reference samples per pixel. Errors are squared, and relative to
+--propose` proposes. The reference has the proposed passes, with --reference times their samples. Errors are squared, and relative to
 the squared mean pixel. The columns are: method, CPU time x error of the beauty, the same of the layer of caustics,
 and, for the proposal, the forecast of error and CPU time relative to what was measured.
 """
@@ -21,6 +21,7 @@ import tempfile
 import tomllib
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+SINGLE = ("bdpt", "path", "lighttracer")
 CAUSTICS = "C[<RG><TG>DV]<[RT][^DG]>+[<L.>O]"
 
 
@@ -52,7 +53,7 @@ def table(passes):
 
 def methods_of(spp):
     single = {name: [{"method": name, "takes": "rest", "spp": count}]
-              for name, count in (("path", 2 * spp), ("lighttracer", 2 * spp), ("bdpt", spp))}
+              for name, count in (("bdpt", spp), ("path", 2 * spp), ("lighttracer", 2 * spp))}
     for name, count in (("lighttracer", 8 * spp), ("bdpt", spp)):
         single[f"caustics-by-{name}"] = [{"method": "path", "takes": "rest", "spp": spp},
                                          {"method": name, "takes": CAUSTICS, "spp": count}]
@@ -66,7 +67,7 @@ def proposed(options, scene, size, folder):
     run([options.program, "passes", job, "--propose", "--spp", 2 * options.spp, "-o", folder / "proposed.toml"])
     text = (folder / "proposed.toml").read_text()
     passes = tomllib.loads(text)["pass"]
-    rows = re.findall(r"^# +(.*?) {2,}([\d.e+-]+) s +([\d.e+-]+) \[", text, re.MULTILINE)
+    rows = re.findall(r"^# ([a-z ]+): ([\d.e+-]+) CPU s, squared error ([\d.e+-]+) ", text, re.MULTILINE)
     forecast = next((row for row in rows if row[0] == "all passes"), rows[0])
     return passes, float(forecast[1]), float(forecast[2])
 
@@ -84,7 +85,7 @@ def measured(options, scene):
         config = [f'replicates = {options.seeds}\nthreads = 1\n[[scene]]\nname = "s"\n'
                   f'file = {json.dumps(str(scene))}\nresolution = {size}\n'
                   f'[[channel]]\nname = "caustics"\nlpe = "{CAUSTICS}"\n[budget]\nsamples = [1]\n'
-                  f'[[method]]\nname = "reference"\nintegrator = "bdpt"\n[[exclude]]\nmethod = "reference"\n'
+                  f'[[method]]\nname = "reference"\n{table(passes)}\n[[exclude]]\nmethod = "reference"\n'
                   f'samples = true\n[reference]\nmethod = "reference"\nspp = {options.reference}\n']
         config += [f'[[method]]\nname = "{method}"\n{table(each)}\n' for method, each in methods.items()]
         (folder / "study.toml").write_text("\n".join(config))
@@ -111,10 +112,12 @@ def report(folder, methods, seconds, error):
         note = f"  forecast / measured: error {error / beauty:.2f}, CPU time {seconds / cpu:.2f}"
         print(f"  {method:24} {products[method]:.3g}  {statistics.median(r[0] * r[2] for r in rows):.3g}"
               f"  ({cpu:.3g} s, {beauty:.3g}, {caustics:.3g})" + (note if method == "proposed" else ""), flush=True)
-    best = min((products[name], name) for name in ("path", "lighttracer", "bdpt") if name in products)
+    best = min((products[name], name) for name in SINGLE if name in products)
     for method, product in products.items():
-        if method not in ("path", "lighttracer", "bdpt"):
+        if method not in SINGLE:
             print(f"  {method} over {best[1]} alone: {best[0] / product:.2f}")
+    if len(methods["proposed"]) == 1:
+        print(f"  one pass is proposed, by {methods['proposed'][0]['method']}")
 
 
 def main():
@@ -124,7 +127,7 @@ def main():
     parser.add_argument("--side", type=int, default=96, help="longer side of the images in pixels")
     parser.add_argument("--seeds", type=int, default=8)
     parser.add_argument("--spp", type=int, default=32, help="samples per pixel of bdpt; others have more")
-    parser.add_argument("--reference", type=int, default=2048)
+    parser.add_argument("--reference", type=int, default=64)
     options = parser.parse_args()
     options.program = os.path.abspath(options.program)
     names = ("glass-caustic", "caustic-ball", "window-light")

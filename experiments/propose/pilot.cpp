@@ -10,20 +10,15 @@
 namespace raylex::experiments {
 namespace {
 
-struct MeanOfSeeds {
-    double mean = 0, standard_error = 0;
-};
-
 double average(const std::vector<double>& values) {
     return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-MeanOfSeeds mean_of_seeds(const std::vector<double>& values) {
-    const double mean = average(values);
+double standard_error(const std::vector<double>& values) {
     double squares = 0;
-    for (const double value : values) squares += (value - mean) * (value - mean);
+    for (const double value : values) squares += std::pow(value - average(values), 2);
     const auto count = static_cast<double>(values.size());
-    return {mean, std::sqrt(squares / (count - 1) / count)};
+    return std::sqrt(squares / (count - 1) / count);
 }
 
 std::vector<double> mean_image(const std::vector<std::vector<double>>& images) {
@@ -43,11 +38,11 @@ Pilot::Pilot(const Job& job, const transport::BuiltScene& scene, std::array<int,
     for (int& side : resolution_) side = std::max(1, static_cast<int>(std::lround(side * scale)));
 }
 
-PilotNoise Pilot::noise_of(const std::vector<std::vector<double>>& images) const {
+PilotNoise Pilot::noise_of(const std::vector<std::vector<double>>& images, double scale) const {
     const std::vector<double> mean = mean_image(images);
     // The mean contains each image, so deviations from it are too small by (seeds - 1) / seeds.
     const auto seeds = static_cast<double>(images.size());
-    const double scale = static_cast<double>(settings_.samples) * seeds / (seeds - 1) / (brightness_ * brightness_);
+    scale *= seeds / (seeds - 1) / (brightness_ * brightness_);
     std::vector<double> terms, lights;
     for (const std::vector<double>& image : images) {
         lights.push_back(average(image));
@@ -64,10 +59,9 @@ PilotNoise Pilot::noise_of(const std::vector<std::vector<double>>& images) const
         for (std::size_t i = 0; i < mean.size(); ++i, ++term) sum += *term <= *kept ? *term : 0;
         of_seeds.push_back(sum / static_cast<double>(mean.size()));
     }
-    const MeanOfSeeds squared = mean_of_seeds(of_seeds), light = mean_of_seeds(lights);
-    const double all = average(terms);
-    return {squared.mean, squared.standard_error, all > 0 ? std::max(0.0, 1 - squared.mean / all) : 0, light.mean,
-            light.standard_error};
+    const double kept_terms = average(of_seeds), all = average(terms);
+    return {kept_terms, standard_error(of_seeds), all > 0 ? std::max(0.0, 1 - kept_terms / all) : 0, average(lights),
+            standard_error(lights)};
 }
 
 PilotNoise Pilot::noise_of(const std::vector<const PilotPass*>& passes, const std::vector<double>& samples) const {
@@ -75,12 +69,12 @@ PilotNoise Pilot::noise_of(const std::vector<const PilotPass*>& passes, const st
     for (std::size_t pass = 0; pass < passes.size(); ++pass)
         for (std::size_t seed = 0; seed < sums.size(); ++seed)
             for (std::size_t i = 0; i < sums[seed].size(); ++i)
-                sums[seed][i] += passes[pass]->images[seed][i] / std::sqrt(samples[pass]);
-    return noise_of(sums);
+                sums[seed][i] += passes[pass]->images[seed][i] * std::sqrt(passes[pass]->samples / samples[pass]);
+    return noise_of(sums, 1);
 }
 
 Result<PilotPass> Pilot::measure(const transport::SceneEntity& method, const std::vector<std::string>& classes,
-                                 bool all) {
+                                 bool all, double samples) {
     transport::RenderSettings settings;
     settings.machine = job_.settings.machine;
     settings.labels = job_.settings.labels;
@@ -90,7 +84,7 @@ Result<PilotPass> Pilot::measure(const transport::SceneEntity& method, const std
     settings.film.crop.reset();
     settings.film.resolution = resolution_;
     settings.samples.sampler = job_.settings.samples.sampler;
-    settings.samples.per_pixel = settings_.samples;
+    settings.samples.per_pixel = samples > 0 ? static_cast<std::uint64_t>(samples) : settings_.samples;
     settings.channels.sample_filters = job_.settings.channels.sample_filters;
     if (!all) settings.channels.takes = any_path_of(classes);
     for (const std::string& each : classes) {
@@ -113,8 +107,9 @@ Result<PilotPass> Pilot::measure(const transport::SceneEntity& method, const std
     if (brightness_ == 0) brightness_ = average(mean_image(images.front()));
     if (!(brightness_ > 0)) return error_at({}, "the pilot has no light");
     PilotPass pass;
-    pass.whole = noise_of(images.front());
-    for (std::size_t i = 1; i < images.size(); ++i) pass.of_class.push_back(noise_of(images[i]));
+    pass.samples = static_cast<double>(*settings.samples.per_pixel);
+    pass.whole = noise_of(images.front(), pass.samples);
+    for (std::size_t i = 1; i < images.size(); ++i) pass.of_class.push_back(noise_of(images[i], pass.samples));
     pass.images = std::move(images.front());
     std::sort(seconds.begin(), seconds.end());
     pass.cpu_seconds = seconds[seconds.size() / 2];

@@ -33,6 +33,7 @@ struct PilotPass {
     std::vector<PilotNoise> of_class;         ///< in the order of the classes that were rendered
     PilotNoise whole;                         ///< all these classes together
     std::vector<std::vector<double>> images;  ///< [seed] of all these classes
+    double samples = 0;                       ///< per pixel of each image
     double cpu_seconds = 0;                   ///< of one sample of one pixel, median of the seeds
 };
 
@@ -43,10 +44,11 @@ class Pilot {
     Pilot(const Job& job, const transport::BuiltScene& scene, std::array<int, 2> resolution,
           const PilotSettings& settings);
 
-    /// Renders classes, by their light path expressions, by a method: pruned to them unless they are all paths. The
-    /// first call sets the mean pixel that errors are relative to. Errors: the method does not support the scene or the
-    /// job.
-    Result<PilotPass> measure(const transport::SceneEntity& method, const std::vector<std::string>& classes, bool all);
+    /// Renders classes, by their light path expressions, by a method: pruned to them unless they are all paths. Uses
+    /// PilotSettings::samples if `samples` is 0. The first call sets the mean pixel that errors are relative to.
+    /// Errors: the method does not support the scene or the job.
+    Result<PilotPass> measure(const transport::SceneEntity& method, const std::vector<std::string>& classes, bool all,
+                              double samples = 0);
 
     [[nodiscard]] std::array<int, 2> resolution() const { return resolution_; }
 
@@ -55,7 +57,8 @@ class Pilot {
                                       const std::vector<double>& samples) const;
 
   private:
-    [[nodiscard]] PilotNoise noise_of(const std::vector<std::vector<double>>& images) const;
+    /// `scale` is what squared errors are multiplied by.
+    [[nodiscard]] PilotNoise noise_of(const std::vector<std::vector<double>>& images, double scale) const;
 
     const Job& job_;
     const transport::BuiltScene& scene_;

@@ -26,6 +26,8 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double least_gain = 1.1;
 /// The noise of a class counts as unseen if the worst 0.1 % of its errors have more than this part of all errors.
 constexpr double most_worst_share = 0.5;
+/// Samples per pixel of the last pilots; errors of more samples are extrapolated.
+constexpr double most_forecast_samples = 256;
 
 struct CoarseClass {
     std::string name, expression;  ///< in the dialect renderman
@@ -81,18 +83,9 @@ struct ForecastInterval {
     }
 };
 
-/// Returns a table for people as comments; the first row is its head.
-std::string comment_table(const std::vector<std::vector<std::string>>& rows) {
-    std::string text;
-    std::vector<std::size_t> widths(rows.front().size());
-    for (const std::vector<std::string>& row : rows)
-        for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size() + 2);
-    for (const std::vector<std::string>& row : rows) {
-        std::string line = "# ";
-        for (std::size_t i = 0; i < row.size(); ++i) line += padded(row[i], widths[i]);
-        text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
-    }
-    return text + "#\n";
+std::string class_row(const std::string& name, const std::string& method, const std::string& samples,
+                      const std::string& error, const std::string& unseen) {
+    return "# " + padded(name, 34) + padded(method, 13) + padded(samples, 9) + padded(error, 32) + unseen + "\n";
 }
 
 class Proposer {
@@ -121,28 +114,36 @@ class Proposer {
         return success();
     }
 
-    /// Measures the best assignment to each set of several methods, twice: the second time with the measured costs.
+    /// Measures the best assignment to each set of several methods.
     Status find_passes(double samples) {
         time_ = samples * single().cpu_seconds;
         Assignment alone(classes_.size(), single_);
         measured_[passes_of(alone).front()] = single();
         best_ = forecast_of(passes_of(alone));
         for (unsigned among = 1; among < 1U << methods_.size(); ++among) {
-            std::vector<double> costs;
-            for (const PilotMethod& each : methods_) costs.push_back(each.pilot.cpu_seconds);
-            for (int round = 0; round < 2; ++round) {
-                const std::vector<PassKey> keys = passes_of(descend(among, costs));
-                if (keys.size() < 2) break;
-                for (const PassKey& key : keys) {
-                    if (Status done = measure(key); !done) return done;
-                    costs[key.first] = measured_.at(key).cpu_seconds;
-                }
-                PassForecast found = forecast_of(keys);
-                const double gain = best_.keys.size() < 2 ? least_gain : 1.02;  // more passes must pay
-                if (found.error.squared * found.time * gain < best_.error.squared * best_.time)
-                    best_ = std::move(found);
-            }
+            const std::vector<PassKey> keys = passes_of(descend(among));
+            if (keys.size() < 2) continue;
+            for (const PassKey& key : keys)
+                if (Status done = measure(key); !done) return done;
+            PassForecast found = forecast_of(keys);
+            const double gain = best_.keys.size() < 2 ? least_gain : 1.02;  // more passes must pay
+            if (found.error.squared * found.time * gain < best_.error.squared * best_.time) best_ = std::move(found);
         }
+        return success();
+    }
+
+    /// Measures the chosen passes and the best single method again, with their own numbers of samples: the error of
+    /// Sobol' points falls faster than 1 / samples. Returns to the single method if it is not beaten.
+    Status confirm(double samples) {
+        const PassKey alone = passes_of(Assignment(classes_.size(), single_)).front();
+        if (Status done = measure(alone, samples); !done) return done;
+        methods_[single_].pilot = measured_.at(alone);
+        for (std::size_t k = 0; k < best_.keys.size() && best_.keys.size() > 1; ++k)
+            if (Status done = measure(best_.keys[k], best_.samples[k]); !done) return done;
+        time_ = samples * single().cpu_seconds;
+        best_ = forecast_of(best_.keys);
+        PassForecast other = forecast_of({alone});
+        if (best_.error.squared * best_.time * least_gain > other.error.squared * other.time) best_ = std::move(other);
         return success();
     }
 
@@ -150,43 +151,42 @@ class Proposer {
         const auto largest =
             std::max_element(best_.keys.begin(), best_.keys.end(),
                              [](const PassKey& a, const PassKey& b) { return a.second.size() < b.second.size(); });
-        std::vector<std::vector<std::string>> classes{
-            {"class", "method", "samples", "squared error", "unseen noise of"}},
-            passes{{"", "CPU time", "squared error"}};
-        std::string tables;
+        std::string rows = class_row("class", "method", "samples", "squared error", "unseen noise of"), passes, tables;
+        const auto add_pass = [&](const std::string& name, double seconds, const ForecastInterval& error) {
+            passes +=
+                "# " + name + ": " + number_text(seconds * pixels) + " CPU s, squared error " + error.text() + "\n";
+        };
         for (std::size_t k = 0; k < best_.keys.size(); ++k) {
             const PassKey& key = best_.keys[k];
             const PilotPass& pass = measured_.at(key);
             const std::string &method = methods_[key.first].entity.type, count = number_text(best_.samples[k], 10);
             for (std::size_t i = 0; i < key.second.size(); ++i)
-                classes.push_back({classes_[key.second[i]].name, method, count,
-                                   interval_of(pass.of_class[i], best_.samples[k]).text(),
-                                   lpe::joined_by(unseen_[key.second[i]], " and ")});
-            passes.push_back({method, duration_text(best_.samples[k] * pass.cpu_seconds * pixels),
-                              interval_of(pass.whole, best_.samples[k]).text()});
+                rows += class_row(classes_[key.second[i]].name, method, count,
+                                  interval_of(pass.of_class[i], best_.samples[k]).text(),
+                                  lpe::joined_by(unseen_[key.second[i]], " and "));
+            add_pass(method, best_.samples[k] * pass.cpu_seconds, interval_of(pass.whole, best_.samples[k]));
             tables += "\n[[pass]]\nmethod = " + lpe::quoted(method) +
                       "\ntakes = " + lpe::quoted(key == *largest ? "rest" : any_path_of(expressions_of(key))) +
                       "\nspp = " + count + "\n";
         }
         const std::string alone = methods_[single_].entity.type + " alone";
-        std::string verdict =
-            "# No passes are forecast to beat " + alone + " by a factor of " + number_text(least_gain);
         if (best_.keys.size() > 1) {
-            const ForecastInterval error = interval_of(best_.error, 1);
-            const ForecastInterval other = interval_of(single().whole, best_.time / single().cpu_seconds);
-            passes.push_back({"all passes", duration_text(best_.time * pixels), error.text()});
-            passes.push_back({alone, duration_text(best_.time * pixels), other.text()});
+            const ForecastInterval error = interval_of(best_.error, 1),
+                                   other = interval_of(single().whole, best_.time / single().cpu_seconds);
+            add_pass("all passes", best_.time, error);
+            add_pass(alone, best_.time, other);
             const double gain = other.value / error.value;
             const double width = std::exp(std::hypot(error.high / error.value - 1, other.high / other.value - 1));
-            verdict =
-                "# Efficiency relative to " + alone + ": " + ForecastInterval{gain, gain / width, gain * width}.text();
+            passes += "# efficiency relative to " + alone + ": " +
+                      ForecastInterval{gain, gain / width, gain * width}.text() + "\n";
+        } else {
+            passes += "# No passes are forecast to beat " + alone + " by a factor of " + number_text(least_gain) + "\n";
         }
         return "# Forecast from pilots of " + std::to_string(pilot_.resolution()[0]) + " x " +
-               std::to_string(pilot_.resolution()[1]) + " pixels, " + std::to_string(settings_.samples) +
-               " samples and " + std::to_string(settings_.seeds) +
-               " seeds. Errors are squared and relative to the squared\n# mean pixel, each without its worst 0.1 %; in "
-               "brackets the 95 % interval.\n#\n" +
-               comment_table(classes) + comment_table(passes) + lpe::commented(notes_, "# ") + verdict + "\n" + tables;
+               std::to_string(pilot_.resolution()[1]) + " pixels and " + std::to_string(settings_.seeds) +
+               " seeds. Errors are squared and relative to the squared mean pixel,\n# each without its worst 0.1 %; in "
+               "brackets the 95 % interval.\n" +
+               rows + passes + lpe::commented(notes_, "# ") + tables;
     }
 
   private:
@@ -263,26 +263,27 @@ class Proposer {
 
     /// Returns the product of squared error and CPU time with the best numbers of samples: (sum of sqrt(noise x
     /// cost))^2. Infinite if a class is not offered.
-    [[nodiscard]] double product_of(const Assignment& assignment, const std::vector<double>& costs) const {
+    [[nodiscard]] double product_of(const Assignment& assignment) const {
         std::vector<double> noise(methods_.size());
         for (std::size_t i = 0; i < classes_.size(); ++i) noise[assignment[i]] += methods_[assignment[i]].noise[i];
         double root = 0;
-        for (std::size_t j = 0; j < methods_.size(); ++j) root += std::sqrt(noise[j] * costs[j]);
+        for (std::size_t j = 0; j < methods_.size(); ++j) root += std::sqrt(noise[j] * methods_[j].pilot.cpu_seconds);
         return root * root;
     }
 
     /// Returns the assignment to the methods in `among` (a bit for each) that no change of one class improves; empty if
     /// they do not sample all classes.
-    [[nodiscard]] Assignment descend(unsigned among, const std::vector<double>& costs) const {
+    [[nodiscard]] Assignment descend(unsigned among) const {
         std::vector<std::size_t> chosen;
         for (std::size_t j = 0; j < methods_.size(); ++j)
             if ((among >> j & 1) != 0) chosen.push_back(j);
         Assignment assignment;
         for (std::size_t i = 0; i < classes_.size(); ++i)
             assignment.push_back(*std::min_element(chosen.begin(), chosen.end(), [&](std::size_t a, std::size_t b) {
-                return methods_[a].noise[i] * costs[a] < methods_[b].noise[i] * costs[b];
+                return methods_[a].noise[i] * methods_[a].pilot.cpu_seconds <
+                       methods_[b].noise[i] * methods_[b].pilot.cpu_seconds;
             }));
-        double least = product_of(assignment, costs);
+        double least = product_of(assignment);
         if (least == infinite) return {};
         for (bool is_better = true; is_better;) {
             is_better = false;
@@ -290,7 +291,7 @@ class Proposer {
                 for (const std::size_t j : chosen) {
                     Assignment other = assignment;
                     other[i] = j;
-                    const double product = product_of(other, costs);
+                    const double product = product_of(other);
                     if (product >= least * (1 - 1e-9)) continue;  // no cycles by rounding
                     least = product;
                     assignment = std::move(other);
@@ -306,14 +307,14 @@ class Proposer {
         return {classes.begin(), classes.end()};
     }
 
-    /// Measures a pass, pruned to its classes.
-    Status measure(const PassKey& key) {
-        if (measured_.contains(key)) return success();
-        const transport::SceneEntity& method = methods_[key.first].entity;
-        std::vector<std::string> names;
-        for (const std::size_t each : key.second) names.push_back(classes_[each].name);
-        print_note("pilot of " + lpe::joined_by(names, " and ") + " by " + method.type);
-        auto pass = pilot_.measure(method, expressions_of(key), false);
+    /// Measures a pass, pruned to its classes; again if the number of samples is given.
+    Status measure(const PassKey& key, double samples = 0) {
+        if (samples == 0 && measured_.contains(key)) return success();
+        const bool all = key.second.size() == classes_.size();
+        print_note("pilot of " + counted(key.second.size(), "class", "classes") + " of paths by " +
+                   methods_[key.first].entity.type);
+        auto pass = pilot_.measure(methods_[key.first].entity, expressions_of(key), all,
+                                   std::min(samples, most_forecast_samples));
         if (!pass) return pass.error();
         measured_[key] = *std::move(pass);
         return success();
@@ -367,6 +368,7 @@ Result<std::string> propose_passes(const Job& job, const JobScene& scene, const 
     Proposer proposer(scene, settings, Pilot(job, built, {film->width, film->height}, settings));
     if (Status measured = proposer.measure_methods(job, built); !measured) return measured.error();
     if (Status found = proposer.find_passes(static_cast<double>(samples)); !found) return found.error();
+    if (Status confirmed = proposer.confirm(static_cast<double>(samples)); !confirmed) return confirmed.error();
     return proposer.text(static_cast<double>(film->width) * static_cast<double>(film->height));
 }
 

@@ -1,11 +1,10 @@
 // raylex passes: proposes passes for a scene, from small renders by each method.
-#include <array>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
-#include "display/output/atomic_file.h"
 #include "experiments/cli/commands.h"
 #include "experiments/cli/loading_line.h"
 #include "experiments/cli/option_group.h"
@@ -25,34 +24,27 @@ namespace {
 namespace fs = std::filesystem;
 
 struct PassesOptions {
-    std::string input, output;
+    std::string input, output = "-";
     std::vector<std::string> plugins;
     bool propose = false;
-    std::uint64_t samples = 0;
+    std::optional<std::uint64_t> samples;
     PilotSettings pilot;
 };
 
 /// Returns the beginning of the proposed job: the job of the input, or a [scene] table.
 Result<std::string> job_text(const Job& job, const std::string& output) {
+    const auto refuse = [&](const char* what, const char* expected) {
+        return error_at({job.job_file, 0, 0}, std::string("the job has ") + what, expected);
+    };
+    if (!job.passes.empty()) return refuse("passes; expected none, because they are proposed", "");
+    if (job.settings.paths.integrator) return refuse("an integrator; expected none, because passes are proposed", "");
     std::error_code failed;
-    const fs::path folder = output.empty() ? fs::current_path() : fs::absolute(output).parent_path();
+    const fs::path folder = is_standard_output(output) ? fs::current_path() : fs::absolute(output).parent_path();
     if (job.job_file.empty())
         return "[scene]\nfile = " + lpe::quoted(fs::relative(job.scene_file, folder, failed).string()) + "\n\n";
     if (!fs::equivalent(folder, fs::absolute(job.job_file).parent_path(), failed))
-        return error_at({output, 0, 0}, "the paths in '" + job.job_file + "' are relative to its folder",
-                        "expected -o FILE.toml in that folder");
+        return refuse("paths relative to its folder", "expected -o FILE.toml in that folder");
     return job.job_text + (job.job_text.ends_with('\n') ? "\n" : "\n\n");
-}
-
-Status check_proposable(const Job& job) {
-    const auto refuse = [&](const std::string& what) -> Status {
-        return error_at({job.job_file, 0, 0}, "the job has " + what +
-                                                  "; expected a job without, because passes are "
-                                                  "proposed");
-    };
-    if (!job.passes.empty()) return refuse("passes");
-    if (job.settings.paths.integrator) return refuse("an integrator");
-    return success();
 }
 
 int propose(const PassesOptions& options) {
@@ -60,11 +52,9 @@ int propose(const PassesOptions& options) {
     if (Status loaded = load_plugins(options.plugins); !loaded) return report_error(loaded.error());
     auto job = read_scene_or_job(options.input);
     if (!job) return report_error(job.error());
-    if (Status possible = check_proposable(*job); !possible) return report_error(possible.error());
     const auto begin = job_text(*job, options.output);
     if (!begin) return report_error(begin.error());
-    if (!options.output.empty())
-        if (Status writable = display::check_writable(options.output); !writable) return report_error(writable.error());
+    if (options.samples) job->settings.samples.per_pixel = options.samples;
     LoadingLine loading;
     auto scene = load_job_scene(*job, loading.progress());
     auto built = scene ? transport::BuiltScene::build((*scene)->scene, job->settings.machine, loading.progress())
@@ -74,16 +64,10 @@ int propose(const PassesOptions& options) {
     if (const auto ignored = ask_for_film_clamp((*scene)->scene, *job)) print_warning(*ignored);
     auto samples = samples_of_job(*job, (*scene)->scene);
     if (!samples) return report_error(samples.error());
-    if (options.samples > 0) samples = options.samples;
     const auto passes = propose_passes(*job, **scene, **built, *samples, options.pilot);
     if (!passes) return report_error(passes.error());
-    if (options.output.empty()) {
-        write_output(*begin + *passes);
-        return exit_holds;
-    }
     if (Status written = write_text(options.output, *begin + *passes); !written) return report_error(written.error());
-    write_output(*passes);
-    print_line("\n" + options.output + ": raylex render " + options.output + " renders these passes");
+    if (!is_standard_output(options.output)) write_output(*passes);
     return exit_holds;
 }
 
@@ -109,12 +93,8 @@ void add_passes_command(CLI::App& app, CommandContext& context) {
         "--spp", options->samples, "N",
         "samples per pixel of the best single method, whose CPU time the passes take; default: those of the scene "
         "or job");
-    group.add("--pilot-side", pilot.longer_side, "N", "longer side of the pilots in pixels; default 64")
-        ->check(CLI::Range(8, 4096));
-    group.add("--pilot-samples", pilot.samples, "N", "samples per pixel of each pilot; default 16")
+    group.add("--pilot-samples", pilot.samples, "N", "samples per pixel and seed of the pilots; default 16")
         ->check(CLI::Range(2, 1 << 20));
-    group.add("--pilot-seeds", pilot.seeds, "N", "renders of each pilot, which give its noise; default 8")
-        ->check(CLI::Range(3, 1000));
     group.add("--seed", pilot.seed, "N", "seed of the first render; default 0");
     add_plugin_option(*command, options->plugins);
     command->footer(

@@ -322,16 +322,15 @@ Status check_config(ExperimentConfig& config) {
         if (!variant.render.channels.beauty)
             if (Status s = check_without_beauty(config, variant); !s) return s;
     for (const MethodRequest& method : config.methods) {
-        if (!method.passes.empty())
-            for (const Budget& budget : config.budgets)
-                if (budget.kind == BudgetKind::error)
-                    return error_at(budget.location, "method '" + method.name +
-                                                         "' has passes, and no pass has the error of the image; "
-                                                         "expected budgets of samples or seconds");
+        const auto refuse_error = [&](const SourceLocation& where) {
+            return error_at(where, "method '" + method.name +
+                                       "' has passes, and no pass has the error of the image; "
+                                       "expected samples or seconds");
+        };
+        for (const Budget& budget : config.budgets)
+            if (!method.passes.empty() && budget.kind == BudgetKind::error) return refuse_error(budget.location);
         if (!method.passes.empty() && method.name == config.reference.method && config.reference.error > 0)
-            return error_at(config.reference.location, "method '" + method.name +
-                                                           "' has passes, and no pass has the error of the image; "
-                                                           "expected spp without error for the reference");
+            return refuse_error(config.reference.location);
         if (method.command.empty()) continue;
         if (method.name == config.reference.method)
             return error_at(config.reference.location,

@@ -39,18 +39,17 @@ std::string residual_picture(const Study& study, const std::string& scene, const
 /// replicate, or if a file is missing.
 double error_between(const std::vector<const StudyRun*>& cells, const std::string& channel) {
     const auto count = static_cast<double>(cells.size());
-    if (count < 2) return -1;
     std::vector<double> beauty, mean;
     std::vector<std::vector<double>> images;
-    const auto add = [&](std::vector<double>& sum, const std::vector<double>& values) {
-        sum.resize(values.size());
-        for (std::size_t i = 0; i < values.size(); ++i) sum[i] += values[i] / count;
-    };
     for (const StudyRun* cell : cells) {
         const auto whole = read_mean(cell->directory, "beauty"), part = read_mean(cell->directory, channel);
-        if (!whole || !part) return -1;
-        add(beauty, whole->values);
-        add(mean, part->values);
+        if (!whole || !part || count < 2) return -1;
+        beauty.resize(whole->values.size());
+        mean.resize(whole->values.size());
+        for (std::size_t i = 0; i < mean.size(); ++i) {
+            beauty[i] += whole->values[i] / count;
+            mean[i] += part->values[i] / count;
+        }
         images.push_back(part->values);
     }
     double squares = 0;

@@ -58,12 +58,38 @@ Status on_two_processors(const std::vector<std::function<Status()>>& tasks) {
     return failed == done.end() ? success() : *failed;
 }
 
-/// Writes the files of an image. `buffer` is the image, or null for a sum of passes, which has no record and whose
-/// moments are unknown.
-Result<std::vector<PartitionResult>> write_files(const std::string& directory, const display::PixelImage& pixels,
-                                                 const display::FrameBuffer* buffer, display::ChannelId beauty,
-                                                 display::ImageDescription description,
-                                                 display::RecordIdentity identity) {
+}  // namespace
+
+std::vector<ChannelInfo> channel_infos(const ChannelPlan& plan) {
+    std::vector<ChannelInfo> infos{{"beauty", "C.*", "renderman", true}};
+    for (const display::ChannelDefinition& each : plan.channels)
+        if (is_light(each))
+            infos.push_back(
+                {each.name, each.expression, each.dialect == lpe::Dialect::osl ? "osl" : "renderman", false});
+    return infos;
+}
+
+Result<std::vector<PartitionResult>> write_render_files(const std::string& directory, const Rendered& rendered,
+                                                        const JobScene& scene,
+                                                        const std::map<std::string, std::string>& attributes) {
+    const transport::RenderOutput& output = rendered.output;
+    return write_buffer_files(directory, output.image(), output.sum ? nullptr : &output.frame_buffer, output.beauty,
+                              image_description(rendered.job, scene, output, rendered.partitions, attributes),
+                              record_identity(rendered));
+}
+
+display::RecordIdentity record_identity(const Rendered& rendered) {
+    const transport::RenderOutput& output = rendered.output;
+    return {{"scene", rendered.job.scene_file},
+            {"seed", std::to_string(output.used.seed)},
+            {"samples per pixel", std::to_string(output.samples.per_pixel)},
+            {"instruction set", output.used.isa}};
+}
+
+Result<std::vector<PartitionResult>> write_buffer_files(const std::string& directory, const display::PixelImage& pixels,
+                                                        const display::FrameBuffer* buffer, display::ChannelId beauty,
+                                                        display::ImageDescription description,
+                                                        display::RecordIdentity identity) {
     const std::string image = directory + "/image.exr";
     description.sync = display::FileSync::later;
     // A study has thousands of such images beside much larger sums, so speed matters more than size.
@@ -107,41 +133,6 @@ Result<std::vector<PartitionResult>> write_files(const std::string& directory, c
         }
     }
     return results;
-}
-
-}  // namespace
-
-std::vector<ChannelInfo> channel_infos(const ChannelPlan& plan) {
-    std::vector<ChannelInfo> infos{{"beauty", "C.*", "renderman", true}};
-    for (const display::ChannelDefinition& each : plan.channels)
-        if (is_light(each))
-            infos.push_back(
-                {each.name, each.expression, each.dialect == lpe::Dialect::osl ? "osl" : "renderman", false});
-    return infos;
-}
-
-Result<std::vector<PartitionResult>> write_render_files(const std::string& directory, const Rendered& rendered,
-                                                        const JobScene& scene,
-                                                        const std::map<std::string, std::string>& attributes) {
-    const transport::RenderOutput& output = rendered.output;
-    return write_files(directory, output.image(), output.sum ? nullptr : &output.frame_buffer, output.beauty,
-                       image_description(rendered.job, scene, output, rendered.partitions, attributes),
-                       record_identity(rendered));
-}
-
-display::RecordIdentity record_identity(const Rendered& rendered) {
-    const transport::RenderOutput& output = rendered.output;
-    return {{"scene", rendered.job.scene_file},
-            {"seed", std::to_string(output.used.seed)},
-            {"samples per pixel", std::to_string(output.samples.per_pixel)},
-            {"instruction set", output.used.isa}};
-}
-
-Result<std::vector<PartitionResult>> write_buffer_files(const std::string& directory,
-                                                        const display::FrameBuffer& buffer, display::ChannelId beauty,
-                                                        display::ImageDescription description,
-                                                        display::RecordIdentity identity) {
-    return write_files(directory, buffer, &buffer, beauty, std::move(description), std::move(identity));
 }
 
 Result<std::vector<std::string>> write_image_files(const std::string& directory, const std::string& path, int width,

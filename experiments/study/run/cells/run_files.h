@@ -18,9 +18,10 @@ Result<std::vector<PartitionResult>> write_render_files(const std::string& direc
                                                         const JobScene& scene,
                                                         const std::map<std::string, std::string>& attributes);
 
-/// Writes these files from a frame buffer and the descriptions of its image and its record.
-Result<std::vector<PartitionResult>> write_buffer_files(const std::string& directory,
-                                                        const display::FrameBuffer& buffer, display::ChannelId beauty,
+/// Writes these files from an image and the descriptions of its image and its record. `buffer` is the image, or null
+/// for a sum of passes, which has no record and no moments.
+Result<std::vector<PartitionResult>> write_buffer_files(const std::string& directory, const display::PixelImage& pixels,
+                                                        const display::FrameBuffer* buffer, display::ChannelId beauty,
                                                         display::ImageDescription description,
                                                         display::RecordIdentity identity);
 display::RecordIdentity record_identity(const Rendered& rendered);

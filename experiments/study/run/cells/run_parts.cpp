@@ -206,7 +206,7 @@ Result<std::vector<PartitionResult>> write_merged_files(const std::string& direc
     description.attributes["raylex/parts"] = std::to_string(parts.size());
     if (const std::uint64_t paths = sum->light_path_count(); paths > 0)
         description.attributes["raylex/light_paths"] = std::to_string(paths);
-    return write_buffer_files(directory, *sum, whole_image.beauty, std::move(description), std::move(identity));
+    return write_buffer_files(directory, *sum, &*sum, whole_image.beauty, std::move(description), std::move(identity));
 }
 
 }  // namespace raylex::experiments
