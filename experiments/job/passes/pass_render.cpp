@@ -7,6 +7,7 @@
 #include "display/services/split_mix.h"
 #include "experiments/job/passes/pass_classes.h"
 #include "experiments/job/passes/pass_sum.h"
+#include "experiments/job/sampling_requests.h"
 #include "experiments/program/console.h"
 #include "transport/render/tiles.h"
 
@@ -38,7 +39,7 @@ RenderSettings settings_of(const Job& job, const PassPlan& plan, std::size_t ind
     if (settings.stop.adaptive) {
         // Light that lands on any pixel has no error by pixel.
         if (!is_camera_based(pass.method, settings.paths.max_depth)) settings.stop.adaptive.reset();
-        else if (pass.samples_per_pixel) settings.stop.adaptive->max_samples = *pass.samples_per_pixel;
+        else if (pass.samples_per_pixel) apply_sample_limit(*pass.samples_per_pixel, *settings.stop.adaptive);
     }
     if (index > 0) settings.samples.seed = mix_bits(settings.samples.seed + index * golden_gamma);
     if (plan.passes.size() == 1) return settings;
