@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "experiments/job/channels/generated_channels.h"
+#include "experiments/job/channels/scene_path_strings.h"
 #include "experiments/job/passes/pass_classes.h"
 #include "experiments/program/columns.h"
 #include "experiments/program/console.h"

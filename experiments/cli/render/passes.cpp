@@ -89,10 +89,11 @@ void add_passes_command(CLI::App& app, CommandContext& context) {
                   "forecast product of squared error and CPU time")
         ->required();
     group.add("-o,--output", options->output, "FILE.toml", "writes the job to a file; default: standard output");
-    group.add(
-        "--spp", options->samples, "N",
-        "samples per pixel of the best single method, whose CPU time the passes take; default: those of the scene "
-        "or job");
+    group
+        .add("--spp", options->samples, "N",
+             "samples per pixel of the best single method, whose CPU time the passes take; default: those of the scene "
+             "or job")
+        ->check(CLI::Range(1, 1 << 30));
     group.add("--pilot-samples", pilot.samples, "N", "samples per pixel and seed of the pilots; default 16")
         ->check(CLI::Range(2, 1 << 20));
     group.add("--seed", pilot.seed, "N", "seed of the first render; default 0");
