@@ -21,7 +21,7 @@ import tempfile
 import tomllib
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-SINGLE = ("bdpt", "path", "lighttracer")
+SINGLE = {"bdpt", "path", "lighttracer"}
 CAUSTICS = "C[<RG><TG>DV]<[RT][^DG]>+[<L.>O]"
 
 
@@ -72,52 +72,42 @@ def proposed(options, scene, size, folder):
     return passes, float(forecast[1]), float(forecast[2])
 
 
-def measured(options, scene):
+def measured(options, scene, folder):
     print(f"\n{scene.parent.name}: CPU time x error of beauty, and of caustics", flush=True)
-    with tempfile.TemporaryDirectory() as name:
-        folder = pathlib.Path(name)
-        film = re.search(r'xresolution"[ \[]*(\d+).*?yresolution"[ \[]*(\d+)', scene.read_text(), re.DOTALL)
-        width, height = (int(film[1]), int(film[2])) if film else (1280, 720)
-        scale = options.side / max(width, height)
-        size = [round(width * scale), round(height * scale)]
-        passes, seconds, error = proposed(options, scene, size, folder)
-        methods = methods_of(options.spp) | {"proposed": passes}
-        config = [f'replicates = {options.seeds}\nthreads = 1\n[[scene]]\nname = "s"\n'
-                  f'file = {json.dumps(str(scene))}\nresolution = {size}\n'
-                  f'[[channel]]\nname = "caustics"\nlpe = "{CAUSTICS}"\n[budget]\nsamples = [1]\n'
-                  f'[[method]]\nname = "reference"\n{table(passes)}\n[[exclude]]\nmethod = "reference"\n'
-                  f'samples = true\n[reference]\nmethod = "reference"\nspp = {options.reference}\n']
-        config += [f'[[method]]\nname = "{method}"\n{table(each)}\n' for method, each in methods.items()]
-        (folder / "study.toml").write_text("\n".join(config))
-        # Cells of a method that misses paths of the scene fail.
-        run([options.program, "experiment", "run", folder / "study.toml", "-o", folder / "out"], codes=(0, 1, 2))
-        report(folder / "out", methods, seconds, error)
-
-
-def report(folder, methods, seconds, error):
-    reference = next((folder / "references").glob("*/beauty.mean.npy")).parent
+    film = re.search(r'xresolution"[ \[]*(\d+).*?yresolution"[ \[]*(\d+)', scene.read_text(), re.DOTALL)
+    width, height = (int(film[1]), int(film[2])) if film else (1280, 720)
+    size = [round(side * options.side / max(width, height)) for side in (width, height)]
+    passes, seconds, error = proposed(options, scene, size, folder)
+    methods = methods_of(options.spp) | {"proposed": passes}
+    config = [f'replicates = {options.seeds}\nthreads = 1\n[[scene]]\nname = "s"\nfile = {json.dumps(str(scene))}\n'
+              f'resolution = {size}\n[[channel]]\nname = "caustics"\nlpe = "{CAUSTICS}"\n[budget]\nsamples = [1]\n'
+              f'[[method]]\nname = "reference"\n{table(passes)}\n[[exclude]]\nmethod = "reference"\nsamples = true\n'
+              f'[reference]\nmethod = "reference"\nspp = {options.reference}\n']
+    config += [f'[[method]]\nname = "{method}"\n{table(each)}\n' for method, each in methods.items()]
+    (folder / "study.toml").write_text("\n".join(config))
+    # Cells of a method that misses paths of the scene fail.
+    run([options.program, "experiment", "run", folder / "study.toml", "-o", folder / "out"], codes=(0, 1, 2))
+    reference = next((folder / "out" / "references").glob("*/beauty.mean.npy")).parent
     truth = {channel: pixels(reference, channel) for channel in ("beauty", "caustics")}
     products = {}
     for method in methods:
         rows = []
-        for file in sorted((folder / "cells").glob(f"s.{method}.*/cell.json")):
-            cell = json.loads(file.read_text())
+        for file in sorted((folder / "out" / "cells").glob(f"s.{method}.*/cell.json")):
             errors = [squared_error(pixels(file.parent, channel), values) for channel, values in truth.items()]
-            rows.append((cell["cpu_seconds"], *errors))
+            rows.append((json.loads(file.read_text())["cpu_seconds"], *errors))
         if not rows:
             print(f"  {method:24} misses paths")
             continue
         cpu, beauty, caustics = (statistics.median(column) for column in zip(*rows))
-        products[method] = statistics.median(r[0] * r[1] for r in rows)
+        products[method] = statistics.median(row[0] * row[1] for row in rows)
         note = f"  forecast / measured: error {error / beauty:.2f}, CPU time {seconds / cpu:.2f}"
-        print(f"  {method:24} {products[method]:.3g}  {statistics.median(r[0] * r[2] for r in rows):.3g}"
+        print(f"  {method:24} {products[method]:.3g}  {statistics.median(row[0] * row[2] for row in rows):.3g}"
               f"  ({cpu:.3g} s, {beauty:.3g}, {caustics:.3g})" + (note if method == "proposed" else ""), flush=True)
     best = min((products[name], name) for name in SINGLE if name in products)
-    for method, product in products.items():
-        if method not in SINGLE:
-            print(f"  {method} over {best[1]} alone: {best[0] / product:.2f}")
-    if len(methods["proposed"]) == 1:
-        print(f"  one pass is proposed, by {methods['proposed'][0]['method']}")
+    for method in products.keys() - SINGLE:
+        print(f"  {method} over {best[1]} alone: {best[0] / products[method]:.2f}")
+    if len(passes) == 1:
+        print(f"  one pass is proposed, by {passes[0]['method']}")
 
 
 def main():
@@ -132,7 +122,8 @@ def main():
     options.program = os.path.abspath(options.program)
     names = ("glass-caustic", "caustic-ball", "window-light")
     for scene in options.scenes or [ROOT / "experiments" / "scenes" / name / "scene.pbrt" for name in names]:
-        measured(options, scene.resolve())
+        with tempfile.TemporaryDirectory() as folder:
+            measured(options, scene.resolve(), pathlib.Path(folder))
 
 
 if __name__ == "__main__":

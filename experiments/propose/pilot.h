@@ -19,13 +19,11 @@ struct PilotSettings {
     std::uint64_t seed = 0;      ///< of the first one
 };
 
-/// The noise of one sample per pixel, measured between seeds.
+/// The noise of one sample per pixel, measured between seeds. Squared errors are relative to the squared mean pixel.
 struct PilotNoise {
-    /// Mean squared error of one sample relative to the squared mean pixel, without the largest 0.1 % of all squared
-    /// errors, and its standard error.
-    double squared = 0, standard_error = 0;
-    double worst_share = 0;             ///< fraction of the sum of squared errors in the largest 0.1 %
-    double light = 0, light_error = 0;  ///< mean pixel, and its standard error
+    double squared = 0, standard_error = 0;  ///< mean squared error without the largest 0.1 %, and its standard error
+    double worst_share = 0;                  ///< fraction of the sum of squared errors in the largest 0.1 %
+    double light = 0, light_error = 0;       ///< mean pixel, and its standard error
 };
 
 /// One method that renders some classes of paths.

@@ -76,17 +76,14 @@ struct PassForecast {
     double time = 0;   ///< CPU seconds of one pixel
 };
 
-/// A value with its 95 % interval.
-struct ForecastInterval {
-    double value = 0, low = 0, high = 0;
-    [[nodiscard]] std::string text() const {
-        return number_text(value) + " [" + number_text(low) + ", " + number_text(high) + "]";
-    }
-};
+std::string interval_text(double value, double low, double high) {
+    return number_text(value) + " [" + number_text(low) + ", " + number_text(high) + "]";
+}
 
 std::string class_row(const std::string& name, const std::string& method, const std::string& samples,
                       const std::string& error, const std::string& unseen) {
-    return "# " + padded(name, 34) + padded(method, 13) + padded(samples, 9) + padded(error, 32) + unseen + "\n";
+    return "# " + padded(name, 34) + padded(method, 13) + padded(samples, 9) +
+           (unseen.empty() ? error : padded(error, 32) + unseen) + "\n";
 }
 
 class Proposer {
@@ -153,9 +150,9 @@ class Proposer {
             std::max_element(best_.keys.begin(), best_.keys.end(),
                              [](const PassKey& a, const PassKey& b) { return a.second.size() < b.second.size(); });
         std::string rows = class_row("class", "method", "samples", "squared error", "unseen noise of"), passes, tables;
-        const auto add_pass = [&](const std::string& name, double seconds, const ForecastInterval& error) {
-            passes +=
-                "# " + name + ": " + number_text(seconds * pixels) + " CPU s, squared error " + error.text() + "\n";
+        const auto add_pass = [&](const std::string& name, double seconds, const PilotNoise& noise, double samples) {
+            passes += "# " + name + ": " + number_text(seconds * pixels) + " CPU s, squared error " +
+                      error_text(noise, samples) + "\n";
         };
         for (std::size_t k = 0; k < best_.keys.size(); ++k) {
             const PassKey& key = best_.keys[k];
@@ -163,23 +160,22 @@ class Proposer {
             const std::string &method = methods_[key.first].entity.type, count = number_text(best_.samples[k], 10);
             for (std::size_t i = 0; i < key.second.size(); ++i)
                 rows += class_row(classes_[key.second[i]].name, method, count,
-                                  interval_of(pass.of_class[i], best_.samples[k]).text(),
+                                  error_text(pass.of_class[i], best_.samples[k]),
                                   lpe::joined_by(unseen_[key.second[i]], " and "));
-            add_pass(method, best_.samples[k] * pass.cpu_seconds, interval_of(pass.whole, best_.samples[k]));
+            add_pass(method, best_.samples[k] * pass.cpu_seconds, pass.whole, best_.samples[k]);
             tables += "\n[[pass]]\nmethod = " + lpe::quoted(method) +
                       "\ntakes = " + lpe::quoted(key == *largest ? "rest" : any_path_of(expressions_of(key))) +
                       "\nspp = " + count + "\n";
         }
         const std::string alone = methods_[single_].entity.type + " alone";
         if (best_.keys.size() > 1) {
-            const ForecastInterval error = interval_of(best_.error, 1),
-                                   other = interval_of(single().whole, best_.time / single().cpu_seconds);
-            add_pass("all passes", best_.time, error);
-            add_pass(alone, best_.time, other);
-            const double gain = other.value / error.value;
-            const double width = std::exp(std::hypot(error.high / error.value - 1, other.high / other.value - 1));
-            passes += "# efficiency relative to " + alone + ": " +
-                      ForecastInterval{gain, gain / width, gain * width}.text() + "\n";
+            const PilotNoise &error = best_.error, &other = single().whole;
+            const double samples = best_.time / single().cpu_seconds, gain = other.squared / samples / error.squared;
+            const double width = std::exp(std::hypot(half_of(error) / error.squared, half_of(other) / other.squared));
+            add_pass("all passes", best_.time, error, 1);
+            add_pass(alone, best_.time, other, samples);
+            passes +=
+                "# efficiency relative to " + alone + ": " + interval_text(gain, gain / width, gain * width) + "\n";
         } else {
             passes += "# No passes are forecast to beat " + alone + " by a factor of " + number_text(least_gain) + "\n";
         }
@@ -340,10 +336,14 @@ class Proposer {
         return result;
     }
 
-    [[nodiscard]] ForecastInterval interval_of(const PilotNoise& noise, double samples) const {
-        const double half = student_t_quantile(0.975, settings_.seeds - 1) * noise.standard_error;
-        return {noise.squared / samples, std::max(0.0, noise.squared - half) / samples,
-                (noise.squared + half) / samples};
+    /// Half of the 95 % interval of a squared error.
+    [[nodiscard]] double half_of(const PilotNoise& noise) const {
+        return student_t_quantile(0.975, settings_.seeds - 1) * noise.standard_error;
+    }
+
+    [[nodiscard]] std::string error_text(const PilotNoise& noise, double samples) const {
+        return interval_text(noise.squared / samples, std::max(0.0, noise.squared - half_of(noise)) / samples,
+                             (noise.squared + half_of(noise)) / samples);
     }
 
     const JobScene& scene_;
