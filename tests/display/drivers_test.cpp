@@ -110,7 +110,7 @@ TEST_CASE("a viewer receives every layer, during and after rendering", "[display
     drivers.update(1000, 0.5, source_of(buffer));  // a long render: enough time for all slices
     CHECK(eventually([&] { return viewer.images()["out.exr"].updates > 0; }));
     REQUIRE(drivers.close({buffer, 0, {}}).ok());
-    CHECK(drivers.take_warnings().empty());
+    CHECK(drivers.take_warnings() == std::vector<std::string>());
 
     const std::vector<double> beauty = buffer.resolve(0), diffuse = buffer.resolve(1), z = buffer.resolve(2),
                               alpha = buffer.resolve_alpha();

@@ -131,13 +131,13 @@ class TevReceiver {
             ++image.updates;
             for (std::size_t c = 0; c < channels.size(); ++c) {
                 if (image.channels.count(channels[c]) == 0) return complain("update of an unknown channel");
+                std::vector<float>& plane = image.channels[channels[c]];
                 for (std::int64_t i = 0; i < std::int64_t{width} * height; ++i) {
                     const std::int64_t index = offsets[c] + i * strides[c];
                     if (index < 0 || index >= floats) return complain("pixels beyond the packet");
                     float value;
                     std::memcpy(&value, reader.at + 4 * index, 4);
-                    image.channels[channels[c]]
-                                  [static_cast<std::size_t>((y + i / width) * image.width + x + i % width)] = value;
+                    plane[static_cast<std::size_t>((y + i / width) * image.width + x + i % width)] = value;
                 }
             }
             reader.at = reader.end;
