@@ -14,14 +14,14 @@ std::vector<std::string> denoised_text(const display::DenoisedImage& denoised) {
     std::vector<std::string> lines{padded("layer", width) + "  root mean squared error, estimated"};
     for (const auto& [name, error] : denoised.layers) {
         std::string line = padded(name, width) + "  " + padded(number_text(std::sqrt(error.before)), 9) + "-> " +
-                           number_text(std::sqrt(error.after)) +
-                           " (95 %: " + number_text(std::sqrt(std::max(0.0, error.after - error.half_width))) + " to " +
-                           number_text(std::sqrt(error.after + error.half_width)) + ")";
+                           number_text(std::sqrt(error.after)) + " (95 %: " + number_text(std::sqrt(error.least)) +
+                           " to " + number_text(std::sqrt(error.most)) + ")";
         if (const double change = error.light_after - error.light; change != 0 && error.light != 0)
             line += std::string("; light ") + (change < 0 ? "removed: " : "added: ") +
                     number_text(100 * std::abs(change / error.light), 2) + " %";
         lines.push_back(std::move(line));
     }
+    if (denoised.has_overscan) lines.emplace_back("pixels outside the display window (overscan) are not denoised");
     return lines;
 }
 

@@ -1,6 +1,8 @@
 // raylex denoise and raylex render --denoise, on renders and on images of other renderers.
 #include <catch2/catch.hpp>
 
+#include <ImfMultiPartInputFile.h>
+
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -124,6 +126,8 @@ TEST_CASE("images of other renderers are denoised with variances, halves or a se
     write_foreign(folder.path("small.exr"), {{"R", Imf::HALF, {1}}, {"G", Imf::HALF, {1}}, {"B", Imf::HALF, {1}}}, 1,
                   1);
     check_refused(folder, "denoise first.exr --second small.exr -o out.exr", {"small.exr", "another size"});
+    write_foreign(folder.path("shifted.exr"), second, box(40, 30), {Imath::V2i(1, 0), Imath::V2i(40, 29)});
+    check_refused(folder, "denoise first.exr --second shifted.exr -o out.exr", {"another size or data window"});
     write_foreign(folder.path("grey.exr"), {{"Y", Imf::HALF, std::vector<float>(40 * 30, 1)}}, 40, 30);
     check_refused(folder, "denoise first.exr --second grey.exr -o out.exr", {"no layer of light has statistics"});
     check_refused(folder, "denoise first.exr --second first.exr -o out.exr", {"is 0 everywhere"});
@@ -137,13 +141,90 @@ TEST_CASE("images of other renderers are denoised with variances, halves or a se
     CHECK(scatter(*display::read_exr(folder.path("denoised_row.exr")), "", 1) < 0.02);  // 0.04 before
 }
 
+TEST_CASE("a crop is denoised inside its data window, and what lies outside the image keeps its noise",
+          "[cli][denoise][law1]") {
+    const Folder folder;
+    folder.write("scene.pbrt", small_scene());
+    const std::string render = "render scene.pbrt --spp 8 --light-groups --denoise --keep-noisy -o ";
+    REQUIRE(run_raylex(folder, render + "crop.exr --crop 2,3,12,14").code == 0);
+    CHECK(run_raylex(folder, "verify crop.exr").code == 0);
+    const auto image = display::read_exr(folder.path("crop.exr"));
+    REQUIRE(image);
+    REQUIRE(image->data_window);
+    CHECK(image->data_window->y1 == 14);
+    const auto denoised = plane(*image, "", "G"), noisy = plane(*image, "beauty_noisy", "G"),
+               error = plane(*image, "beauty_error", "beauty_error");
+    std::size_t changed = 0;
+    for (int y = 0, i = 0; y < 16; ++y)
+        for (int x = 0; x < 16; ++x, ++i) {
+            const auto p = static_cast<std::size_t>(i);
+            const bool inside = x >= 2 && x < 12 && y >= 3 && y < 14;
+            changed += denoised[p] != noisy[p] ? 1 : 0;
+            if (!inside) CHECK((denoised[p] == 0 && error[p] == 0));
+        }
+    CHECK(changed > 50);
+
+    std::vector<ForeignChannel> channels = noisy_channels("", 1, 1, 0.2f);
+    for (const ForeignChannel& each : noisy_channels("beauty_mse.", 3, 0.04f, 0)) channels.push_back(each);
+    write_foreign(folder.path("overscan.exr"), channels, {Imath::V2i(4, 3), Imath::V2i(35, 26)}, box(40, 30));
+    const Outcome outcome = run_raylex(folder, "denoise overscan.exr -o out.exr");
+    INFO(outcome.err);
+    REQUIRE(outcome.code == 0);
+    CHECK(contains(outcome.out, "outside the display window (overscan) are not denoised"));
+    CHECK(scatter(*display::read_exr(folder.path("out.exr")), "", 1) < 0.008);  // 0.04 before
+}
+
+TEST_CASE("layers with dots, chromaticities, and the attributes of a part that is left out are kept",
+          "[cli][denoise]") {
+    const Folder folder;
+    folder.write("scene.pbrt", small_scene());
+    REQUIRE(run_raylex(folder,
+                       "render scene.pbrt --spp 8 --lpe View.Diff='C<RD>L' --rendering-space ACEScg --denoise "
+                       "--keep-noisy -o out.exr")
+                .code == 0);
+    const auto image = display::read_exr(folder.path("out.exr"));
+    REQUIRE(image);
+    REQUIRE(image->layer("View.Diff_error") != nullptr);
+    CHECK(image->layer("View.Diff_error")->planes.size() == 1);
+    CHECK(image->layer("View.Diff_noisy")->is_color());
+    Imf::MultiPartInputFile file(folder.path("out.exr").c_str());
+    for (int i = 0; i < file.parts(); ++i)
+        if (std::string(file.header(i).name()).ends_with("_noisy")) {
+            REQUIRE(Imf::hasChromaticities(file.header(i)));
+            CHECK(Imf::chromaticities(file.header(i)).red == Imf::chromaticities(file.header(0)).red);
+        }
+    // The statistics are the first part, which has the comments of the file, and the copy lacks it.
+    const std::vector<float> one(40 * 30, 1), variance(40 * 30, 0.04f);
+    std::vector<ForeignChannel> light = noisy_channels("", 1, 1, 0.2f);
+    write_foreign_parts(folder.path("parts.exr"),
+                        {{"beauty_mse",
+                          {{"beauty_mse.R", Imf::FLOAT, variance},
+                           {"beauty_mse.G", Imf::FLOAT, variance},
+                           {"beauty_mse.B", Imf::FLOAT, variance}}},
+                         {"beauty",
+                          {{"beauty.R", Imf::FLOAT, light[0].values},
+                           {"beauty.G", Imf::FLOAT, light[1].values},
+                           {"beauty.B", Imf::FLOAT, light[2].values}}}},
+                        40, 30);
+    const Outcome outcome = run_raylex(folder, "denoise parts.exr -o first.exr");
+    INFO(outcome.err);
+    REQUIRE(outcome.code == 0);
+    const auto before = display::read_exr(folder.path("parts.exr")),
+               after = display::read_exr(folder.path("first.exr"));
+    REQUIRE(after);
+    CHECK(after->layer("beauty_mse") == nullptr);
+    for (const auto& [name, value] : before->attributes) {
+        CAPTURE(name);
+        CHECK(after->attributes.at(name) == value);
+    }
+}
+
 TEST_CASE("denoising refuses renders whose layers would no longer sum or whose noise is unknown",
           "[cli][denoise][law1]") {
     const Folder folder;
     folder.write("scene.pbrt", small_scene());
     const std::string render = "render scene.pbrt --spp 4 --light-groups -o out.exr --denoise ";
     check_refused(folder, render + "--exr light=half", {"--denoise", "expected no half"});
-    check_refused(folder, render + "--crop 2,2,9,9", {"--denoise", "expected no crop"});
     check_refused(folder, render + "--display-filter grade:exposure=3", {"--denoise", "expected no display filter"});
     CHECK_FALSE(folder.has("out.exr"));
     REQUIRE(run_raylex(folder,

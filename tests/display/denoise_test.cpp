@@ -108,7 +108,8 @@ TEST_CASE("the estimated error of a denoised layer is near the true one") {
     REQUIRE(image.layers[1].variance[0].size() == denoised_pixels);
     double mean = 0;
     for (const float each : image.layers[1].variance[0]) mean += static_cast<double>(each) / denoised_pixels;
-    CHECK(mean == Approx(errors[1].after));
+    CHECK(1.6 * mean == Approx(errors[1].after));  // the mean includes what estimates of single pixels miss
+    CHECK((errors[1].least < truth && truth < errors[1].most));
 }
 
 TEST_CASE("denoising has the same bits for any number of threads", "[law3]") {

@@ -49,7 +49,7 @@ struct NoisyImage {
 /// The estimate of a layer's error over the whole image.
 struct LayerError {
     double before = 0, after = 0;       ///< mean squared error of a value, estimated
-    double half_width = 0;              ///< 95 % of errors `after` are within this distance
+    double least = 0, most = 0;         ///< the interval of 95 % for `after`
     double light = 0, light_after = 0;  ///< sum of all values before and after
 };
 

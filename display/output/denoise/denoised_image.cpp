@@ -7,8 +7,6 @@
 #include <set>
 
 #include "display/output/reader/exr_layers.h"
-#include "display/output/splits/split_sum.h"
-#include "display/output/writer/exr_edit.h"
 #include "display/services/parameters.h"
 
 namespace raylex::display {
@@ -145,8 +143,13 @@ class ImageDenoiser {
     }
 
     Status check_layers() {
-        if (second_ != nullptr && (second_->width != image_.width || second_->height != image_.height))
-            return image_error(*second_, "the second image has another size; expected the size of " + image_.path);
+        const auto window = [](const ExrImage& image) {
+            const PixelRegion region = image.data_window.value_or(PixelRegion{0, 0, image.width, image.height});
+            return std::array{image.width, image.height, region.x0, region.y0, region.x1, region.y1};
+        };
+        if (second_ != nullptr && window(*second_) != window(image_))
+            return image_error(*second_,
+                               "the second image has another size or data window; expected those of " + image_.path);
         if (!chosen_.empty()) return check_values();
         return image_error(image_,
                            "no layer of light has statistics, so its noise is unknown; expected NAME_mse (the variance "
@@ -157,10 +160,6 @@ class ImageDenoiser {
 
     /// Refuses images that the filter would change for the worse, or whose layers would no longer sum.
     Status check_values() {
-        if (image_.data_window)
-            return image_error(image_,
-                               "the image is a crop; expected a whole image, because the filter would take the "
-                               "pixels around it as black");
         if (const auto beauty = image_.require_layer(""); beauty && *beauty != &image_.layers[chosen_.front()])
             return image_error(image_,
                                "the beauty has no statistics, and guides the filter of all layers; expected "
@@ -208,16 +207,39 @@ class ImageDenoiser {
         return success();
     }
 
+    /// The pixels inside the data window.
+    [[nodiscard]] std::vector<float> inside(std::vector<float> plane) const {
+        if (!image_.data_window) return plane;
+        std::vector<float> values;
+        for (int y = region_.y0; y < region_.y1; ++y) {
+            const auto row = plane.begin() + std::ptrdiff_t{image_.width} * y;
+            values.insert(values.end(), row + region_.x0, row + region_.x1);
+        }
+        return values;
+    }
+    /// The plane with these pixels inside the data window, and 0 outside.
+    [[nodiscard]] std::vector<float> placed(std::vector<float> values) const {
+        if (!image_.data_window) return values;
+        std::vector<float> plane(static_cast<std::size_t>(image_.width) * static_cast<std::size_t>(image_.height));
+        for (int y = region_.y0; y < region_.y1; ++y)
+            std::copy_n(values.begin() + std::ptrdiff_t{region_.width()} * (y - region_.y0), region_.width(),
+                        plane.begin() + std::ptrdiff_t{image_.width} * y + region_.x0);
+        return plane;
+    }
+
     /// Moves the planes of the chosen layers, and copies those of features.
     Status take_planes() {
-        noisy_.width = image_.width;
-        noisy_.height = image_.height;
+        region_ = image_.data_window.value_or(PixelRegion{0, 0, image_.width, image_.height});
+        noisy_.width = region_.width();
+        noisy_.height = region_.height();
         for (const ImageLayer* layer : features_)
             for (std::size_t p = 0; p < 3; ++p) {
                 FilterFeature feature{layer->planes[p].values, {}};
                 if (statistics_.has(*layer)) feature.variance = statistics_.variance(*layer, p, feature.values);
                 for (std::vector<float>* plane : {&feature.values, &feature.variance})
                     for (float& value : *plane) value = std::isfinite(value) ? value : 0.0f;
+                feature.values = inside(std::move(feature.values));
+                if (!feature.variance.empty()) feature.variance = inside(std::move(feature.variance));
                 noisy_.features.push_back(std::move(feature));
             }
         for (const std::size_t i : chosen_) {
@@ -225,7 +247,7 @@ class ImageDenoiser {
             NoisyLayer& noisy = noisy_.layers.emplace_back();
             for (std::size_t p = 0; p < 3; ++p) {
                 std::vector<float>& values = layer.planes[p].values;
-                noisy.variance[p] = statistics_.variance(layer, p, values);
+                noisy.variance[p] = inside(statistics_.variance(layer, p, values));
                 // Squares of larger values are no floats.
                 constexpr float most = 1e15f;
                 if (!std::ranges::all_of(values, [](float value) { return std::abs(value) <= most; }) ||
@@ -233,8 +255,7 @@ class ImageDenoiser {
                     return image_error(image_, "the layer '" + name_in_text(layer.name) +
                                                    "' has values that are not finite or above 1e15, or a negative "
                                                    "variance; expected none");
-                if (options_.keep_noisy) noisy.values[p] = values;
-                else noisy.values[p] = std::move(values);
+                noisy.values[p] = options_.keep_noisy ? inside(values) : inside(std::move(values));
             }
         }
         const auto is_zero = [](const std::vector<float>& plane) {
@@ -258,14 +279,17 @@ class ImageDenoiser {
             }
             NoisyLayer& denoised = noisy_.layers[i];
             for (std::size_t p = 0; p < 3; ++p) {
-                layer.planes[p].values = std::move(denoised.values[p]);
+                layer.planes[p].values = placed(std::move(denoised.values[p]));
                 layer.planes[p].stored = StoredType::single_float;
                 layer.planes[p].loss = PlaneLoss::none;
             }
             for (float& value : denoised.variance[0]) value = std::sqrt(value);
             ImageLayer& error = added.emplace_back();
             error.name = error.part = names_[i] + "_error";
-            error.planes.push_back({error.name, StoredType::single_float, std::move(denoised.variance[0])});
+            // A dot separates the name of a layer from that of its plane.
+            const bool has_dot = error.name.find('.') != std::string::npos;
+            error.planes.push_back(
+                {has_dot ? "Y" : error.name, StoredType::single_float, placed(std::move(denoised.variance[0]))});
         }
         std::set<std::string> obsolete;
         for (const std::vector<std::string>* names : {&names_, &result_.features})
@@ -292,11 +316,11 @@ class ImageDenoiser {
         if (result_.features.empty()) text += " none";
         result_.attributes[denoised_attribute] = text;
         for (const DenoisedLayer& layer : result_.layers) {
-            std::array<char, 160> line{};
+            std::array<char, 200> line{};
             std::snprintf(
                 line.data(), line.size(),
-                "mean squared error %.6g, before %.6g, estimated; 95 %% within %.3g; light after / before %.6g",
-                layer.error.after, layer.error.before, layer.error.half_width,
+                "mean squared error %.6g, before %.6g, estimated; 95 %% from %.3g to %.3g; light after / before %.6g",
+                layer.error.after, layer.error.before, layer.error.least, layer.error.most,
                 layer.error.light != 0 ? layer.error.light_after / layer.error.light : 1.0);
             result_.attributes["error/" + layer.name] = line.data();
         }
@@ -307,74 +331,13 @@ class ImageDenoiser {
     const ExrImage* second_;
     Statistics statistics_;
     const DenoiseOptions& options_;
+    PixelRegion region_{};  // with pixels
     std::set<const ImageLayer*> features_;
     std::vector<std::size_t> chosen_;  // layers of the image
     std::vector<std::string> names_;
     NoisyImage noisy_;
     DenoisedImage result_;
 };
-
-/// The results of the checks that readers find in the header.
-Status add_results(const ExrImage& image, DenoisedImage& denoised) {
-    auto results = check_declared_splits(image);
-    if (!results) return results.error();
-    for (const SplitResult& result : *results)
-        denoised.attributes["verdict/" + result.partition] = result_attribute(result, result.layers.size());
-    return success();
-}
-
-/// A layer as a part of its own, whose values the image keeps.
-DataPart part_of(const ImageLayer& layer, int width) {
-    DataPart part;
-    part.name = layer.name;
-    for (const ImagePlane& plane : layer.planes)
-        part.planes.push_back(layer.planes.size() == 1 ? layer.name : layer.name + "." + plane.name);
-    part.values = [&layer, width](const PixelRegion& rows) {
-        std::vector<float> all;
-        for (const ImagePlane& plane : layer.planes)
-            all.insert(all.end(), plane.values.begin() + std::ptrdiff_t{width} * rows.y0,
-                       plane.values.begin() + std::ptrdiff_t{width} * rows.y1);
-        return all;
-    };
-    return part;
-}
-
-/// The edit that gives a file the layers of a denoised image.
-ExrEdit edit_of(const ExrImage& image, const DenoisedImage& denoised) {
-    ExrEdit edit;
-    std::vector<const ImagePlane*> sources;
-    for (const DenoisedLayer& each : denoised.layers) {
-        for (const ImagePlane& plane : std::span(image.layer(each.name)->planes).first(3)) {
-            const ExrChannel place{plane.part, plane.channel};
-            if (!edit.changed.insert(place).second) continue;
-            edit.planes.push_back(place);
-            sources.push_back(&plane);
-        }
-    }
-    edit.changed_to_float = true;
-    edit.change = [sources, width = image.width, height = image.height](const PixelRegion& band,
-                                                                        std::span<std::vector<float>> planes) {
-        const int x0 = std::max(band.x0, 0), x1 = std::min(band.x1, width);
-        for (std::size_t p = 0; p < planes.size() && x0 < x1; ++p)
-            for (int y = std::max(band.y0, 0); y < std::min(band.y1, height); ++y) {
-                const auto from = sources[p]->values.begin() + std::ptrdiff_t{width} * y;
-                std::copy(from + x0, from + x1,
-                          planes[p].begin() + std::ptrdiff_t{band.x1 - band.x0} * (y - band.y0) + x0 - band.x0);
-            }
-    };
-    for (const ImageLayer& layer : denoised.removed)
-        for (const ImagePlane& plane : layer.planes) edit.removed.insert({plane.part, plane.channel});
-    for (const std::string& name : denoised.added) edit.added.push_back(part_of(*image.layer(name), image.width));
-    edit.attributes = denoised.attributes;
-    edit.drops_attribute = [&denoised](const std::string& name) {
-        const auto is_of = [&](const auto& layer) { return name == "storage/" + layer.name; };
-        return std::ranges::any_of(denoised.layers, is_of) ||
-               std::ranges::any_of(denoised.removed, [&](const ImageLayer& layer) {
-                   return is_of(layer) || name == "rule/" + layer.name || name == "statistics/" + layer.name;
-               });
-    };
-    return edit;
-}
 
 }  // namespace
 
@@ -383,17 +346,6 @@ Result<DenoisedImage> denoise_image(ExrImage& image, const DenoiseOptions& optio
     auto second = read_exr(options.second);
     if (!second) return second.error();
     return ImageDenoiser(image, &*second, options).run();
-}
-
-Result<DenoisedImage> denoise_exr(const std::string& from, const std::string& to, const DenoiseOptions& options) {
-    auto image = read_exr(from);
-    if (!image) return image.error();
-    auto denoised = denoise_image(*image, options);
-    if (!denoised) return denoised;
-    if (Status results = add_results(*image, *denoised); !results) return results.error();
-    const ExrEdit edit = edit_of(*image, *denoised);
-    if (Status written = edit_exr(from, to, edit); !written) return written.error();
-    return denoised;
 }
 
 }  // namespace raylex::display

@@ -34,6 +34,7 @@ struct DenoisedImage {
     std::vector<ImageLayer> removed;                ///< statistics of noisy layers, without values
     std::vector<std::string> added;                 ///< new layers: NAME_error, NAME_noisy
     std::map<std::string, std::string> attributes;  ///< for the header: what was done
+    bool has_overscan = false;                      ///< the file has pixels outside the image, which keep their noise
 };
 
 /// Denoises `image` in place. NAME_error is the standard error of a pixel after denoising, the root of the mean over

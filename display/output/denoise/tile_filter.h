@@ -20,7 +20,8 @@ inline constexpr int risk_radius = 2;    ///< of the window over which estimates
 struct TileEstimate {
     std::array<std::vector<float>, 3> values;
     std::vector<float> risk;
-    std::vector<float> step;  ///< from the noisy pixel (0) to the filtered one (1)
+    std::vector<float> shown;  ///< the part of the variance that the removed noise shows, 0 to 1
+    std::vector<float> step;   ///< from the noisy pixel (0) to the filtered one (1)
 };
 
 /// Works on the tile `kept`, and for averages of risk also on a margin around it.

@@ -136,6 +136,7 @@ TileEstimate TileFilter::noisy(std::size_t layer) const {
             for (std::size_t c = 0; c < 3; ++c) result.values[c].push_back(planes.values[c][i]);
             result.risk.push_back(planes.variance[0][i] + planes.variance[1][i] + planes.variance[2][i]);
         }
+    result.shown.assign(result.risk.size(), 1);
     return result;
 }
 
@@ -159,6 +160,7 @@ std::vector<float> TileFilter::apply(const std::vector<float>& plane) const {
 }
 
 /// With the filter y = W u of pixels u of variance v, the step t has the risk t^2 |y - u|^2 + v - 2 t (v - W_ii v).
+/// The removed noise y - u has at least the variance (1 - W_ii)^2 v. If it is smaller, v is too large.
 /// A window that loses more light than noise explains is a highlight, and takes a shorter step.
 TileEstimate TileFilter::estimate(std::size_t layer, const TileEstimate* guide) const {
     const LayerPlanes planes = cut(layer);
@@ -171,7 +173,7 @@ TileEstimate TileFilter::estimate(std::size_t layer, const TileEstimate* guide) 
     }
     // Risks are averaged relative to each pixel's noise and value: otherwise the brightest pixel decides for its
     // window.
-    std::vector<float> change(area), noise(area), kept(area), counted(area), scale(area), total(area);
+    std::vector<float> change(area), noise(area), kept(area), removed(area), counted(area), scale(area), total(area);
     for (int y = 0; y < height_; ++y)
         for (int x = 0; x < width_; ++x) {
             const auto i = static_cast<std::size_t>(y * width_ + x),
@@ -188,10 +190,13 @@ TileEstimate TileFilter::estimate(std::size_t layer, const TileEstimate* guide) 
             scale[i] = total[i] + relative_floor * square + 1e-30f;
             change[i] /= scale[i];
             noise[i] = total[i] / scale[i];
-            kept[i] = noise[i] * std::min(1.0f, weights_[searched / 2 * area + i]);
+            const float self = std::min(1.0f, weights_[searched / 2 * area + i]);
+            kept[i] = noise[i] * self;
+            removed[i] = noise[i] * (1 - self) * (1 - self);
         }
     const std::vector<float> counts = summed(counted), totals = summed(total);
-    for (std::vector<float>* plane : {&change, &noise, &kept, &lost[0], &lost[1], &lost[2]}) *plane = summed(*plane);
+    for (std::vector<float>* plane : {&change, &noise, &kept, &removed, &lost[0], &lost[1], &lost[2]})
+        *plane = summed(*plane);
     TileEstimate result = noisy(layer);
     for (int y = 0; y < kept_.height(); ++y)
         for (int x = 0; x < kept_.width(); ++x) {
@@ -204,6 +209,7 @@ TileEstimate TileFilter::estimate(std::size_t layer, const TileEstimate* guide) 
             if (t * t * loss > most_loss * totals[i]) t = std::sqrt(most_loss * totals[i] / loss);
             if (guide != nullptr) t = guide->step[i];
             result.step.push_back(t);
+            if (change[i] < removed[i]) result.shown[i] = change[i] / removed[i];
             for (std::size_t c = 0; c < 3; ++c) result.values[c][i] += t * (filtered[c][j] - result.values[c][i]);
             result.risk[i] = scale[j] * std::max(self, t * t * changed + before - 2 * t * gain);
         }

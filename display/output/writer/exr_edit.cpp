@@ -17,6 +17,7 @@
 #include <ImfMultiPartOutputFile.h>
 #include <ImfOutputPart.h>
 #include <ImfPartType.h>
+#include <ImfStandardAttributes.h>
 #include <ImfStringAttribute.h>
 #include <ImfThreading.h>
 #include <ImfTiledInputPart.h>
@@ -118,6 +119,7 @@ std::vector<EditedPart> edited_parts(const Imf::MultiPartInputFile& input, const
         EditedPart& part = parts.emplace_back();
         part.from = -1;
         part.header = Imf::Header(first.displayWindow(), first.dataWindow(), first.pixelAspectRatio());
+        if (Imf::hasChromaticities(first)) Imf::addChromaticities(part.header, Imf::chromaticities(first));
         part.header.setName(added.name);
         part.header.compression() = is_lossy(first.compression()) ? Imf::ZIP_COMPRESSION : first.compression();
         for (const auto& [name, value] : added.attributes) part.header.insert(name, Imf::StringAttribute(value));
@@ -317,8 +319,16 @@ Status edit_into(AtomicFile& file, const std::string& from, const ExrEdit& edit)
     std::vector<EditedPart> parts = edited_parts(input, edit);
     std::vector<Imf::Header> headers;
     if (Status good = check_parts(from, parts); !good) return good;
+    Imf::Header lost(parts.front().header.displayWindow(), parts.front().header.dataWindow());
     for (EditedPart& part : parts) {
-        if (!prepare_header(part, edit)) continue;
+        if (!prepare_header(part, edit)) {
+            if (&part == &parts.front()) lost = part.header;
+            continue;
+        }
+        // The first part has the attributes of the image.
+        for (auto i = lost.begin(); headers.empty() && i != lost.end(); ++i)
+            if (part.header.find(i.name()) == part.header.end() && std::string_view(i.name()) != "chunkCount")
+                part.header.insert(i.name(), i.attribute());
         part.to = static_cast<int>(headers.size());
         if (headers.empty())
             for (const auto& [name, value] : edit.attributes) part.header.insert(name, Imf::StringAttribute(value));

@@ -11,11 +11,12 @@ Status add_denoiser_inputs(const ScenePathStrings& scene, ChannelPlan& plan, Job
     if (!job.outputs.denoise) return success();
     const auto refuse = [](const std::string& what) { return error_at({"--denoise", 0, 0}, "--denoise " + what); };
     if (!job.outputs.filters.empty()) return refuse("needs light whose variance is known; expected no display filter");
-    if (job.settings.film.crop) return refuse("needs the whole image; expected no crop");
     for (const display::ChannelKind kind : {display::ChannelKind::light, display::ChannelKind::color})
         if (const display::ExrStorage& storage = job.outputs.storage[static_cast<std::size_t>(kind)];
             storage.type != display::StoredType::single_float)
             return refuse("needs light as float, so that denoised layers sum; expected no half in --exr");
+    if (job.settings.buckets)
+        plan.notes.emplace_back("--denoise reads the whole image at the end, in more memory than buckets take");
     std::vector<std::string> names;
     if (job.settings.channels.beauty) names.emplace_back("beauty");
     for (const display::PartitionDeclaration& partition : plan.partitions) {
