@@ -13,10 +13,11 @@ namespace {
 void keep_exact_partitions(AtlasAnswer& answer) {
     const std::vector<std::string>& undecided = answer.layers.undecided();
     std::erase_if(answer.description.partitions, [&](const display::PartitionDeclaration& partition) {
+        const auto is_open = [&](const std::string& layer) {
+            return std::find(undecided.begin(), undecided.end(), layer.empty() ? "beauty" : layer) != undecided.end();
+        };
         const bool broken =
-            std::any_of(partition.layers.begin(), partition.layers.end(), [&](const std::string& layer) {
-                return std::find(undecided.begin(), undecided.end(), layer) != undecided.end();
-            });
+            is_open(partition.of) || std::any_of(partition.layers.begin(), partition.layers.end(), is_open);
         if (broken)
             answer.notes.push_back("partition '" + partition.name +
                                    "' is left out of the file: the atlas gives only bounds of one of its layers");
@@ -40,10 +41,10 @@ Result<AtlasAnswer> answer_question(display::AtlasFile& atlas, const Job& job, c
     if (!plan->channels.empty())
         if (Status fits = display::check_exr_layout(plan->channels, display::invalid_channel, {}); !fits)
             return fits.error();
-    const auto changed = what_if(atlas, settings.mix);
+    const auto changed = what_if(atlas, settings.mix, settings.intervals, scene->words.max_depth);
     if (!changed) return changed.error();
     answer.notes.insert(answer.notes.end(), changed->notes.begin(), changed->notes.end());
-    auto layers = RequestedLayers::make(atlas, *plan, settings, changed->factors);
+    auto layers = RequestedLayers::make(atlas, *plan, settings, *changed);
     if (!layers) return layers.error();
     answer.layers = *std::move(layers);
     answer.description = atlas.description();
@@ -52,6 +53,10 @@ Result<AtlasAnswer> answer_question(display::AtlasFile& atlas, const Job& job, c
     if (!settings.mix.lights.empty()) answer.description.attributes["raylex/mix"] = factors_text(settings.mix.lights);
     if (!settings.mix.colors.empty())
         answer.description.attributes["raylex/what_if"] = factors_text(settings.mix.colors);
+    if (!changed->most.empty())
+        answer.notes.emplace_back(
+            "the atlas merges path strings with different factors, so the beauty is the middle of its bounds "
+            "beauty_least and beauty_most");
     keep_exact_partitions(answer);
     if (Status fits =
             display::check_exr_layout(answer.layers.channels(), RequestedLayers::beauty, answer.description.partitions);

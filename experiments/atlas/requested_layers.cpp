@@ -99,9 +99,9 @@ Result<lpe::Program> compile_plan(const ChannelPlan& plan, std::vector<std::int3
 /// Computes the layers from the words, row by row.
 class RequestedLayers::Builder {
   public:
-    Builder(display::AtlasFile& atlas, const ChannelPlan& plan, const AskSettings& settings,
-            const std::vector<std::array<double, 3>>& factors, RequestedLayers& to)
-        : atlas_(atlas), plan_(plan), settings_(settings), factors_(factors), to_(to) {}
+    Builder(display::AtlasFile& atlas, const ChannelPlan& plan, const AskSettings& settings, const WhatIf& changed,
+            RequestedLayers& to)
+        : atlas_(atlas), plan_(plan), settings_(settings), changed_(changed), to_(to) {}
 
     Status run() {
         for (const display::ChannelDefinition& channel : plan_.channels)
@@ -139,7 +139,7 @@ class RequestedLayers::Builder {
     };
     /// The light of all path strings of a pixel.
     struct Whole {
-        std::array<double, 3> rgb{};
+        Sum sum;
         Parts luminance{};
         bool changed = false;  ///< some factor is not 1
     };
@@ -185,13 +185,14 @@ class RequestedLayers::Builder {
         add_layer("beauty", whole, true);
         for (std::size_t i = 0; i < plan_.channels.size(); ++i) {
             const display::ChannelDefinition& channel = plan_.channels[i];
-            const std::int64_t word = answers.undecided_path_string(static_cast<std::uint16_t>(program_channel[i]));
+            const auto number = static_cast<std::uint16_t>(program_channel[i]);
+            const std::int64_t word = answers.undecided_path_string(number);
+            const bool is_exact = word < 0 && !has_open_factors(answers, number);
             if (word >= 0 && !settings_.intervals)
-                return refuse(channel, static_cast<std::uint32_t>(word), answers,
-                              static_cast<std::uint16_t>(program_channel[i]));
+                return refuse(channel, static_cast<std::uint32_t>(word), answers, number);
             Target target;
-            target.least = add_layer(word < 0 ? channel.name : channel.name + "_least", channel, true);
-            if (word >= 0) {
+            target.least = add_layer(is_exact ? channel.name : channel.name + "_least", channel, true);
+            if (!is_exact) {
                 target.most = add_layer(channel.name + "_most", channel, true);
                 to_.undecided_.push_back(channel.name);
             } else if (settings_.errors) {
@@ -199,7 +200,11 @@ class RequestedLayers::Builder {
             }
             targets_.push_back(target);
         }
-        if (settings_.errors) beauty_error_ = add_layer("beauty_error", to_.channels_[beauty], false);
+        if (!changed_.most.empty()) {
+            beauty_least_ = add_layer("beauty_least", to_.channels_[beauty], true);
+            beauty_most_ = add_layer("beauty_most", to_.channels_[beauty], true);
+            to_.undecided_.emplace_back("beauty");
+        } else if (settings_.errors) beauty_error_ = add_layer("beauty_error", to_.channels_[beauty], false);
         const bool by_filter = atlas_.table().negative == display::SignedLight::weights;
         if (!to_.undecided_.empty() && atlas_.table().is_signed())
             return error_at(
@@ -210,6 +215,14 @@ class RequestedLayers::Builder {
                 by_filter ? "render the atlas with box, triangle, gaussian or blackman-harris"
                           : "render the atlas with a greater --atlas-length or --atlas-budget");
         return success();
+    }
+    /// Returns whether the channel gets light of which only bounds of the factor are known.
+    [[nodiscard]] bool has_open_factors(const PathStringAnswers& answers, std::uint16_t program_channel) const {
+        for (std::uint32_t word = 0; word < changed_.most.size(); ++word)
+            for (const auto& channels : {answers.all(word), answers.some(word)})
+                if (changed_.is_open(word) && std::binary_search(channels.begin(), channels.end(), program_channel))
+                    return true;
+        return false;
     }
     /// Returns bounds of the channel's light that the merged words leave open: "between 1.2 % and 1.3 % of the image's
     /// light".
@@ -275,26 +288,44 @@ class RequestedLayers::Builder {
         Whole whole;
         for (std::size_t i = row.begin[x]; i < row.begin[x + 1]; ++i) {
             const display::PathStringSample& sample = row.samples[i];
-            std::array<double, 3> rgb = sample.rgb;
-            if (!factors_.empty()) {
-                const std::array<double, 3>& factor = factors_[sample.word];
+            std::array<double, 3> rgb = sample.rgb, more{};
+            if (!changed_.factors.empty()) {
+                const std::array<double, 3>& factor = changed_.factors[sample.word];
                 for (std::size_t c = 0; c < 3; ++c) rgb[c] *= factor[c];
                 whole.changed = whole.changed || factor != std::array<double, 3>{1, 1, 1};
-                add(rgb, whole.rgb);
+                if (changed_.is_open(sample.word))
+                    for (std::size_t c = 0; c < 3; ++c)
+                        more[c] = sample.rgb[c] * (changed_.most[sample.word][c] - factor[c]);
+                add(rgb, whole.sum.sure);
+                add(more, whole.sum.possible);
             }
             if (settings_.errors) add_parts(sample, rgb, whole.luminance);
             for (const std::uint16_t channel : answers.all(sample.word)) {
                 add(rgb, sums[channel].sure);
+                add(more, sums[channel].possible);
                 if (settings_.errors) add_parts(sample, rgb, luminance[channel]);
             }
-            for (const std::uint16_t channel : answers.some(sample.word)) add(rgb, sums[channel].possible);
+            for (const std::uint16_t channel : answers.some(sample.word)) {
+                add(rgb, sums[channel].possible);
+                add(more, sums[channel].possible);
+            }
         }
         return whole;
     }
     void put_beauty(const display::AtlasRow& row, std::size_t x, std::size_t pixel, const Whole& whole) {
         const std::array<float, 4>& rgba = row.rgba[x];
-        if (whole.changed) put(beauty, pixel, whole.rgb);
-        else put(beauty, pixel, {rgba[0], rgba[1], rgba[2]});
+        const Sum& sum = whole.sum;
+        const bool changed = whole.changed || sum.possible != std::array<double, 3>{};
+        const auto bound = [&](double part) -> std::array<double, 3> {
+            if (!changed) return {rgba[0], rgba[1], rgba[2]};
+            return {sum.sure[0] + part * sum.possible[0], sum.sure[1] + part * sum.possible[1],
+                    sum.sure[2] + part * sum.possible[2]};
+        };
+        put(beauty, pixel, bound(0.5));
+        if (beauty_least_ >= 0) {
+            put(beauty_least_, pixel, bound(0));
+            put(beauty_most_, pixel, bound(1));
+        }
         to_.alpha_[pixel] = rgba[3];
         if (beauty_error_ >= 0)
             to_.layers_[static_cast<std::size_t>(beauty_error_)].pixels[pixel] =
@@ -328,17 +359,16 @@ class RequestedLayers::Builder {
     display::AtlasFile& atlas_;
     const ChannelPlan& plan_;
     const AskSettings& settings_;
-    const std::vector<std::array<double, 3>>& factors_;
+    const WhatIf& changed_;
     RequestedLayers& to_;
     std::vector<Target> targets_;  // [program channel]
-    int beauty_error_ = -1;
+    int beauty_error_ = -1, beauty_least_ = -1, beauty_most_ = -1;
 };
 
 Result<RequestedLayers> RequestedLayers::make(display::AtlasFile& atlas, const ChannelPlan& plan,
-                                              const AskSettings& settings,
-                                              const std::vector<std::array<double, 3>>& factors) {
+                                              const AskSettings& settings, const WhatIf& changed) {
     RequestedLayers layers;
-    if (Status built = Builder(atlas, plan, settings, factors, layers).run(); !built) return built.error();
+    if (Status built = Builder(atlas, plan, settings, changed, layers).run(); !built) return built.error();
     return layers;
 }
 

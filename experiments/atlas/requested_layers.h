@@ -11,6 +11,7 @@
 #include "display/buffer/plane.h"
 #include "display/output/atlas/atlas_file.h"
 #include "experiments/atlas/path_string_answers.h"
+#include "experiments/atlas/what_if.h"
 #include "experiments/job/channels/channel_plan.h"
 #include "experiments/mix/mix.h"
 #include "lpe/result.h"
@@ -28,12 +29,13 @@ class RequestedLayers final : public display::PixelImage {
   public:
     static constexpr display::ChannelId beauty = 0;
 
-    /// Computes the expression channels of the plan, in their order. `factors` are those of WhatIf. Errors: channels
+    /// Computes the expression channels of the plan, in their order. If `changed` gives only bounds, beauty_least and
+    /// beauty_most are added, and the beauty is the middle of both. Errors: channels
     /// that an atlas does not have (geometric AOVs, prefixes, techniques); osl channels of an atlas without straight
     /// events; a channel that accepts only a part of a word, which the error names, unless intervals are requested; a
     /// damaged file.
     static Result<RequestedLayers> make(display::AtlasFile& atlas, const ChannelPlan& plan, const AskSettings& settings,
-                                        const std::vector<std::array<double, 3>>& factors);
+                                        const WhatIf& changed);
 
     [[nodiscard]] const display::FrameBufferLayout& layout() const override { return layout_; }
     [[nodiscard]] std::span<const display::ChannelDefinition> channels() const override { return channels_; }

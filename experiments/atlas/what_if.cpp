@@ -1,6 +1,7 @@
 #include "experiments/atlas/what_if.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <set>
@@ -46,6 +47,30 @@ std::string listed(const std::set<std::string>& names) {
     return text.empty() ? "(none)" : text;
 }
 
+/// The least and the largest factor of a letter, or of a path string.
+struct FactorRange {
+    FactorRgb least{HUGE_VAL, HUGE_VAL, HUGE_VAL}, most{0, 0, 0};
+    bool passes = false;  ///< it can stand for an event that is no scattering
+
+    void include(const FactorRgb& factor, bool straight) {
+        passes = passes || straight;
+        for (std::size_t c = 0; c < 3; ++c) {
+            least[c] = std::min(least[c], factor[c]);
+            most[c] = std::max(most[c], factor[c]);
+        }
+    }
+    /// Multiplies by a factor of `range` for each of `least_hits` to `most_hits` events.
+    void multiply(const FactorRange& range, double least_hits, double most_hits) {
+        for (std::size_t c = 0; c < 3; ++c) {
+            least[c] *= std::pow(range.least[c], range.least[c] < 1 ? most_hits : least_hits);
+            most[c] *= std::pow(range.most[c], range.most[c] > 1 ? most_hits : least_hits);
+        }
+    }
+    [[nodiscard]] bool is_bounded() const {
+        return std::all_of(most.begin(), most.end(), [](double factor) { return std::isfinite(factor); });
+    }
+};
+
 /// Multiplies the factors of the events by those of a mix.
 class EventFactors {
   public:
@@ -85,31 +110,39 @@ class EventFactors {
         return add_lobe(color, object, lobe);
     }
 
-    /// Returns the factor of each path string; nothing if all are 1.
-    Result<std::vector<FactorRgb>> of_path_strings() const {
-        std::vector<FactorRgb> all;
-        std::map<display::PathStringTable::Letter, FactorRgb> of_letter;
-        std::set<display::PathStringTable::Letter> split;
-        bool scatterings_change = false, changes = false;
+    /// Sets the factor of each path string, or its bounds; nothing if all are 1.
+    Status set_factors(bool intervals, std::optional<int> max_depth, WhatIf& result) const {
+        std::map<display::PathStringTable::Letter, FactorRange> of_letter;
         for (std::size_t i = 0; i < factors_.size(); ++i) {
-            const auto letter = table_.letters[i];
-            if (of_letter.try_emplace(letter, factors_[i]).first->second != factors_[i]) split.insert(letter);
-            scatterings_change = scatterings_change || (!ends_path(table_.events[i]) && factors_[i] != no_change);
+            const lpe::Event& event = table_.events[i];
+            of_letter[table_.letters[i]].include(factors_[i], event.scatter == Scatter::straight);
+            if (!ends_path(event)) of_letter[display::PathAlphabet::open].include(factors_[i], true);
         }
+        bool changes = false, is_open = false;
         for (std::uint32_t word = 0; word < table_.words.size(); ++word) {
-            FactorRgb product = no_change;
+            FactorRange product{no_change, no_change};
+            int known = 0, more = 0;
             for (const auto letter : table_.words[word]) {
-                const bool open = letter == display::PathAlphabet::open;
-                if (open ? scatterings_change : split.count(letter) > 0) return merged(word);
-                if (open) continue;
-                const FactorRgb& factor = of_letter.at(letter);
-                for (std::size_t c = 0; c < 3; ++c) product[c] *= factor[c];
+                const FactorRange& range = of_letter.at(letter);
+                if (letter == display::PathAlphabet::open) ++more;
+                else product.multiply(range, 1, 1);
+                known += range.passes ? 0 : 1;  // the terminal counts too
             }
-            changes = changes || product != no_change;
-            all.push_back(product);
+            if (more > 0) {
+                const FactorRange& range = of_letter.at(display::PathAlphabet::open);
+                const double most_hits =
+                    max_depth ? static_cast<double>(std::max(more, *max_depth + 1 - known)) : HUGE_VAL;
+                product.multiply(range, more, most_hits);
+            }
+            if (product.least != product.most && (!intervals || !product.is_bounded())) return merged(word, intervals);
+            is_open = is_open || product.least != product.most;
+            changes = changes || product.most != no_change || product.least != no_change;
+            result.factors.push_back(product.least);
+            result.most.push_back(product.most);
         }
-        if (!changes) all.clear();
-        return all;
+        if (!changes) result.factors.clear();
+        if (!is_open) result.most.clear();
+        return success();
     }
 
   private:
@@ -176,16 +209,20 @@ class EventFactors {
                         near_miss(factor.name, {names.begin(), names.end()}));
     }
 
-    [[nodiscard]] Error merged(std::uint32_t word) const {
+    [[nodiscard]] Error merged(std::uint32_t word, bool intervals) const {
         const auto& letters = table_.words[word];
         const bool open = std::find(letters.begin(), letters.end(), display::PathAlphabet::open) != letters.end();
-        return error_at({path_, 0, 0},
-                        "the atlas merges path strings with different factors as '" + path_string_text(table_, word) +
-                            "', so their light cannot be scaled; expected an atlas that distinguishes them",
-                        std::string("render it with ") +
-                            (!open               ? "--atlas-by label,lobe,group"
-                             : table_.merged > 0 ? "a greater --atlas-budget"
-                                                 : "an --atlas-length above " + std::to_string(table_.rules.length)));
+        return error_at(
+            {path_, 0, 0},
+            "the atlas merges path strings with different factors as '" + path_string_text(table_, word) +
+                (intervals
+                     ? "', of any length, and a factor above 1 has no largest power; expected factors up to 1, or "
+                       "a render with a maximum depth"
+                     : "', so their light cannot be scaled; expected an atlas that distinguishes them"),
+            std::string(intervals ? "" : "--intervals gives bounds; ") + "render it with " +
+                (!open               ? "--atlas-by label,lobe,group"
+                 : table_.merged > 0 ? "a greater --atlas-budget"
+                                     : "an --atlas-length above " + std::to_string(table_.rules.length)));
     }
 
     const display::PathStringTable& table_;
@@ -195,7 +232,7 @@ class EventFactors {
 
 }  // namespace
 
-Result<WhatIf> what_if(const display::AtlasFile& atlas, const Mix& mix) {
+Result<WhatIf> what_if(const display::AtlasFile& atlas, const Mix& mix, bool intervals, std::optional<int> max_depth) {
     WhatIf result;
     if (mix.lights.empty() && mix.colors.empty()) return result;
     if (atlas.description().attributes.count("raylex/denoised") > 0)
@@ -213,9 +250,7 @@ Result<WhatIf> what_if(const display::AtlasFile& atlas, const Mix& mix) {
                 "' gets a factor above 1; an atlas stores no albedos, so it is not known whether one "
                 "exceeds 1 now");
     }
-    auto factors = events.of_path_strings();
-    if (!factors) return factors.error();
-    result.factors = *std::move(factors);
+    if (Status set = events.set_factors(intervals, max_depth, result); !set) return set.error();
     return result;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <filesystem>
 #include <map>
 #include <optional>
 #include <set>
@@ -358,11 +359,22 @@ class ImageMixPlan {
 
 }  // namespace
 
-Result<MixedImage> mix_image(const std::string& from, const std::string& to, const std::vector<ColorFactor>& lights,
+Result<MixedImage> mix_image(const std::string& from, const std::string& to, const Mix& mix,
                              const std::string& command) {
+    std::error_code failed;
+    if (from == to || std::filesystem::equivalent(from, to, failed))
+        return error_at({to, 0, 0}, "the output is the input and would be overwritten; expected another file");
     if (display::is_atlas(from))
         return error_at({from, 0, 0}, "this is a path atlas; expected an image with layers of light groups",
                         "raylex ask --light mixes an atlas");
+    if (!mix.colors.empty())
+        return error_at(mix.colors.front().where,
+                        "'" + mix.colors.front().name +
+                            "' is a colour of an object, and an image has no light by objects; expected only [light]",
+                        "an atlas has it: raylex ask FILE.atlas.exr --mix");
+    const std::vector<ColorFactor>& lights = mix.lights;
+    if (lights.empty())
+        return error_at({"mix", 0, 0}, "no factors; expected LAYER=FACTOR, such as light_key=1.5, or --mix FILE.toml");
     if (Status once = check_once(lights); !once) return once.error();
     const auto file = display::ExrBands::open(from);
     if (!file) return file.error();

@@ -18,7 +18,10 @@ struct MixedImage {
     double unassigned = 0;              ///< beauty minus the layers, as a fraction of the beauty; kept as it is
 };
 
-/// Writes the image `from` to `to` with the factors of `lights`, which name layers or light groups.
+/// The warnings about a mix: no declared partition, what is left out, light without a layer.
+std::vector<std::string> mix_notes(const MixedImage& mixed);
+
+/// Writes the image `from` to `to` with the factors of `mix.lights`, which name layers or light groups.
 ///
 /// The scaled layers must belong to one split of the beauty: a partition that the header declares, or the layers of one
 /// split of another renderer (experiments/verify/presets.h). With the factors f, the beauty becomes
@@ -28,9 +31,9 @@ struct MixedImage {
 /// needs the covariance of the layers), as are all other layers of light. If all factors are 1, no pixel changes and no
 /// layer is left out.
 ///
-/// Errors: an unknown name, a name that occurs twice, layers of different splits, a layer that a split multiplies by
-/// another one, a path atlas.
-Result<MixedImage> mix_image(const std::string& from, const std::string& to, const std::vector<ColorFactor>& lights,
+/// Errors: no factors, colours of objects, an unknown name, a name that occurs twice, layers of different splits, a
+/// layer that a split multiplies by another one, a path atlas, `to` is `from`.
+Result<MixedImage> mix_image(const std::string& from, const std::string& to, const Mix& mix,
                              const std::string& command);
 
 }  // namespace raylex::experiments

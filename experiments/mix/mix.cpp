@@ -77,8 +77,6 @@ std::vector<double> numbers_of(const toml::node& node) {
     return numbers;
 }
 
-}  // namespace
-
 Result<ColorFactor> parse_factor(const std::string& text, const std::string& option) {
     const std::size_t equals = text.rfind('=');
     if (equals == std::string::npos || equals == 0)
@@ -86,6 +84,17 @@ Result<ColorFactor> parse_factor(const std::string& text, const std::string& opt
                         "'" + text + "' is not a name and its factor; expected NAME=FACTOR, such as key=1.5");
     const std::string value = text.substr(equals + 1), name = text.substr(0, equals);
     return checked_factor(name, numbers_of(std::string_view(value)), value, {option, 0, 0});
+}
+
+}  // namespace
+
+Status add_factors(const std::vector<std::string>& texts, const std::string& option, std::vector<ColorFactor>& to) {
+    for (const std::string& text : texts) {
+        auto factor = parse_factor(text, option);
+        if (!factor) return factor.error();
+        to.push_back(*std::move(factor));
+    }
+    return success();
 }
 
 Status read_mix(const std::string& path, Mix& mix) {

@@ -31,9 +31,9 @@ struct Mix {
     std::vector<ColorFactor> lights, colors;
 };
 
-/// Parses "NAME=FACTOR". FACTOR is a number of at least 0 ("2"), three of them ("1,0.8,0.6"), or an exposure in stops
-/// ("+1stop", "-0.5 stops"). `option` names the option in errors.
-Result<ColorFactor> parse_factor(const std::string& text, const std::string& option);
+/// Adds factors from texts "NAME=FACTOR". FACTOR is a number of at least 0 ("2"), three of them ("1,0.8,0.6"), or an
+/// exposure in stops ("+1stop", "-0.5 stops"). `option` names the option in errors.
+Status add_factors(const std::vector<std::string>& texts, const std::string& option, std::vector<ColorFactor>& to);
 
 /// Adds the factors of a file. Errors: not such a file; an unknown table; an invalid factor.
 Status read_mix(const std::string& path, Mix& mix);

@@ -5,7 +5,7 @@ import unittest
 import numpy as np
 
 import raylex
-from support import CORNELL, Case, run_program
+from support import CORNELL, Case, run_program, white_furnace
 
 SETTINGS = dict(spp=8, resolution=(20, 14), max_depth=4)
 SPLIT = {"direct": "C<RD>L", "indirect": "C<RD>[DS]+L"}
@@ -110,6 +110,29 @@ class Asked(Case):
         self.assertRaylexError("no-such", raylex.Atlas, "no-such.exr")
         self.assertRaylexError("without an atlas|beauty", raylex.render, CORNELL, spp=1, beauty=False,
                                lpe={"a": "CDL"}, atlas=self.folder / "n.atlas.exr")
+
+    def test_what_if_and_mix_equal_the_program(self):
+        file = self.folder / "a.atlas.exr"
+        image = raylex.render(white_furnace(), spp=4, max_depth=3, light_groups=True, atlas=file,
+                              output=self.folder / "in.exr")
+        atlas, lights = raylex.Atlas(file), {"walls": (2, 0.5, 0.25)}
+        asked = atlas.ask(light_groups=True, what_if={"wall.D": 0.5}, light=lights, errors=True)
+        self.assertTrue(all(asked.verify()))
+        self.assertIn("wall.D=0.5,0.5,0.5", asked.attributes["raylex/what_if"])
+        (self.folder / "mix.toml").write_text('[light]\nwalls = [2, 0.5, 0.25]\n[what_if]\n"wall.D" = 0.5\n')
+        done = run_program("ask", atlas.path, "--mix", self.folder / "mix.toml", "-o", self.folder / "asked.exr")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        same = atlas.ask(mix=self.folder / "mix.toml")
+        self.assertSameBits(np.ascontiguousarray(raylex.read(self.folder / "asked.exr")["beauty"]), same["beauty"])
+        mixed = raylex.mix(self.folder / "in.exr", self.folder / "mixed.exr", lights)
+        self.assertTrue(np.allclose(mixed["beauty"], atlas.ask(light=lights)["beauty"], rtol=1e-5, atol=1e-7))
+        self.assertSameBits(mixed["light_walls"], image["light_walls"] * np.float32([2, 0.5, 0.25]))
+        self.assertRaylexError("is a colour of an object", raylex.mix, self.folder / "in.exr", self.folder / "o.exr",
+                               mix=self.folder / "mix.toml")
+        self.assertRaylexError("would be overwritten", raylex.mix, self.folder / "in.exr", self.folder / "in.exr",
+                               lights)
+        self.assertRaylexError("unknown object", atlas.ask, what_if={"nothing.D": 2})
+        self.assertRaylexError("'-1.0' is not a factor", atlas.ask, light={"walls": -1})
 
     def rendered_file(self):
         file = self.folder / "plain.exr"

@@ -94,6 +94,26 @@ class Denoising(Case):
         self.assertSameBits(written["direct"], image["direct"])
         self.assertSameBits(written["beauty"], image["beauty"])
 
+    def test_a_rebuild_reports_what_the_layers_lack(self):
+        image = raylex.render(CORNELL, spp=4, resolution=(24, 16), lpe={"direct": "CDL"})
+        rebuild, = image.rebuild(sums=["direct"])
+        lacks = image["beauty"] - image["direct"]
+        self.assertAlmostEqual(rebuild.unassigned, lacks.sum() / image["beauty"].sum(), places=5)
+        self.assertEqual((rebuild.doubled, rebuild.negative, rebuild.lost), (0, {}, {}))
+        self.assertTrue(np.allclose(rebuild.difference, lacks, atol=1e-5))
+        self.assertIn("unassigned light (beauty minus sum)", str(rebuild))
+        self.assertIn("equals the layer 'rest'", rebuild.lines[0])
+        twice, = image.rebuild(sums=["direct + direct + rest"])
+        self.assertGreater(twice.doubled, 0)
+        self.assertEqual(image.rebuild()[0].lines, [])
+
+    def test_a_set_of_files_is_denoised_but_not_written(self):
+        options = dict(spp=4, resolution=(24, 16), statistics={"beauty": ["mse"]})
+        for seed in (1, 2):
+            raylex.render(CORNELL, seed=seed, output=self.folder / f"{seed}.exr", **options)
+        pair = raylex.read(self.folder / "1.exr", self.folder / "2.exr")
+        self.assertRaylexError("comes from 2 files", pair.write, self.folder / "o.exr")
+
     def test_an_image_with_statistics_is_denoised_later(self):
         names = ["beauty", "direct", "rest"]
         noisy = raylex.render(CORNELL, spp=8, resolution=(24, 16), lpe={"direct": "CDL"},

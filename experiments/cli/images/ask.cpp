@@ -6,7 +6,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <tuple>
 #include <vector>
 
 #include "display/output/atomic_file.h"
@@ -176,13 +175,8 @@ Result<Mix> mix_of(const AskOptions& options) {
     Mix mix;
     if (!options.mix.empty())
         if (Status read = read_mix(options.mix, mix); !read) return read.error();
-    for (const auto& [texts, option, factors] :
-         {std::tuple(&options.colors, "--what-if", &mix.colors), std::tuple(&options.lights, "--light", &mix.lights)})
-        for (const std::string& text : *texts) {
-            auto factor = parse_factor(text, option);
-            if (!factor) return factor.error();
-            factors->push_back(*std::move(factor));
-        }
+    if (Status added = add_factors(options.colors, "--what-if", mix.colors); !added) return added.error();
+    if (Status added = add_factors(options.lights, "--light", mix.lights); !added) return added.error();
     return mix;
 }
 
@@ -244,8 +238,8 @@ void add_ask_command(CLI::App& app, CommandContext& context) {
         files(*command, "Files");
     add_expression_options(layers);
     layers.add_flag("--intervals", options->intervals,
-                    "if the atlas cannot compute a layer exactly, writes its bounds NAME_least and NAME_most instead; "
-                    "default: an error");
+                    "if the atlas cannot compute a layer exactly, or merges path strings that --what-if changes "
+                    "differently, writes the bounds NAME_least and NAME_most instead; default: an error");
     layers.add_flag(
         "--errors", options->errors,
         "adds a layer NAME_error for each layer and the beauty: the standard error of (R + G + B) / 3 in each "

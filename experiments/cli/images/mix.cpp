@@ -1,5 +1,4 @@
 // raylex mix: scales the light groups of an image and recomputes its beauty.
-#include <cmath>
 #include <filesystem>
 #include <memory>
 
@@ -19,43 +18,16 @@ struct MixOptions {
     std::vector<std::string> factors;
 };
 
-Result<std::vector<ColorFactor>> factors_of(const MixOptions& options) {
-    Mix mix;
-    if (!options.file.empty())
-        if (Status read = read_mix(options.file, mix); !read) return read.error();
-    if (!mix.colors.empty())
-        return error_at(mix.colors.front().where,
-                        "'" + mix.colors.front().name +
-                            "' is a colour of an object, and an image has no light by objects; expected only [light]",
-                        "an atlas has it: raylex ask FILE.atlas.exr --mix " + options.file);
-    for (const std::string& text : options.factors) {
-        auto factor = parse_factor(text, "mix");
-        if (!factor) return factor.error();
-        mix.lights.push_back(*std::move(factor));
-    }
-    if (mix.lights.empty())
-        return error_at({"mix", 0, 0}, "no factors; expected LAYER=FACTOR, such as light_key=1.5, or --mix FILE.toml");
-    return mix.lights;
-}
-
 int mix(const MixOptions& options, const CommandContext& context) {
     if (std::filesystem::path(options.output).extension() != ".exr")
         return report_error("the output '" + options.output + "' does not end in .exr; expected an OpenEXR file name");
-    std::error_code failed;
-    if (options.image == options.output || std::filesystem::equivalent(options.image, options.output, failed))
-        return report_error("'" + options.output + "' is the input and would be overwritten; expected another file");
-    const auto factors = factors_of(options);
-    if (!factors) return report_error(factors.error());
-    const auto mixed = mix_image(options.image, options.output, *factors, shell_command(context.arguments));
+    Mix factors;
+    if (!options.file.empty())
+        if (Status read = read_mix(options.file, factors); !read) return report_error(read.error());
+    if (Status added = add_factors(options.factors, "mix", factors.lights); !added) return report_error(added.error());
+    const auto mixed = mix_image(options.image, options.output, factors, shell_command(context.arguments));
     if (!mixed) return report_error(mixed.error());
-    if (!mixed->is_proved)
-        print_warning("the header declares no partition with " + display::list_names(mixed->scaled) +
-                      "; the layers are taken for disjoint parts of the beauty");
-    for (const std::string& each : mixed->left_out)
-        print_warning(each + " is left out: its light does not follow the factors");
-    constexpr double visible = 1e-4;
-    if (mixed->is_whole && std::abs(mixed->unassigned) > visible)
-        print_note(number_text(100 * mixed->unassigned) + " % of the beauty is in no layer; it is kept as it is");
+    for (const std::string& note : mix_notes(*mixed)) print_warning(note);
     const int code = check_new_image(options.output);
     if (code != exit_bad_input)
         print_line(options.output + ": scaled " + display::list_names(mixed->scaled) +

@@ -13,6 +13,7 @@
 #include "experiments/atlas/merged_atlas.h"
 #include "experiments/atlas/top_contributions.h"
 #include "experiments/cli/checks.h"
+#include "experiments/mix/image_mix.h"
 #include "experiments/python/bindings/arrays.h"
 #include "experiments/python/bindings/image.h"
 
@@ -77,14 +78,29 @@ experiments::Job job_of(const std::vector<Question>& channels, bool shipped, boo
     return job;
 }
 
+/// Texts NAME=FACTOR for colours and lights, and the name of a file with more of them.
+using Factors = std::tuple<std::vector<std::string>, std::vector<std::string>, std::string>;
+
+experiments::Mix mix_of(const Factors& factors) {
+    const auto& [colors, lights, file] = factors;
+    experiments::Mix mix;
+    if (!file.empty()) take(experiments::read_mix(file, mix));
+    take(experiments::add_factors(colors, "what_if", mix.colors));
+    take(experiments::add_factors(lights, "light", mix.lights));
+    return mix;
+}
+
 std::shared_ptr<Image> ask(Atlas& atlas, const std::vector<Question>& channels, bool shipped, bool light_groups,
-                           bool intervals, bool errors) {
+                           bool intervals, bool errors, const Factors& factors) {
     const experiments::Job job = job_of(channels, shipped, light_groups);
-    if (channels.empty() && !shipped && !light_groups)
-        fail("no layer is requested; expected lpe={name: expression}, shipped=True or light_groups=True");
+    const experiments::Mix mix = mix_of(factors);
+    if (channels.empty() && !shipped && !light_groups && mix.lights.empty() && mix.colors.empty())
+        fail(
+            "no layer is requested; expected lpe={name: expression}, shipped=True, light_groups=True, what_if= or "
+            "light=");
     return atlas.read([&](display::AtlasFile& file) {
         const auto answer = std::make_shared<const experiments::AtlasAnswer>(
-            take(experiments::answer_question(file, job, {intervals, errors})));
+            take(experiments::answer_question(file, job, {intervals, errors, mix})));
         if (!answer->refuted.empty()) fail(answer->refuted);
         auto image = std::make_shared<Image>(
             display::image_in_memory(answer->layers, experiments::RequestedLayers::beauty, answer->description));
@@ -155,6 +171,16 @@ void merge(const std::vector<std::string>& paths, const std::string& output) {
     unlocked([&] {
         const auto merged = take(experiments::MergedAtlas::open(paths));
         take(display::write_atlas(output, *merged, merged->description()));
+    });
+}
+
+std::shared_ptr<Image> mix_file(const std::string& from, const std::string& to, const Factors& factors) {
+    const experiments::Mix mix = mix_of(factors);
+    return unlocked([&] {
+        const auto mixed = take(experiments::mix_image(from, to, mix, "raylex.mix()"));
+        auto image = std::make_shared<Image>(take(display::read_exr(to)));
+        image->warnings = experiments::mix_notes(mixed);
+        return image;
     });
 }
 
@@ -232,7 +258,7 @@ void add_atlas(py::module_& module) {
             "False if the render was stopped early")
         .def("_at", &path_strings_at, "x"_a, "y"_a, "top"_a)
         .def("_suggest", &suggest, "count"_a)
-        .def("_ask", &ask, "channels"_a, "shipped"_a, "light_groups"_a, "intervals"_a, "errors"_a)
+        .def("_ask", &ask, "channels"_a, "shipped"_a, "light_groups"_a, "intervals"_a, "errors"_a, "factors"_a)
         .def("_entries", &entries)
         .def(
             "_verify",
@@ -247,6 +273,7 @@ void add_atlas(py::module_& module) {
                    " path strings)";
         });
     module.def("_merge_atlases", &merge, "paths"_a, "output"_a);
+    module.def("_mix", &mix_file, "path"_a, "output"_a, "factors"_a);
 }
 
 }  // namespace raylex::python

@@ -200,8 +200,14 @@ void add_image(py::module_& module) {
         "_read_image",
         [](const std::vector<std::string>& paths) {
             return unlocked([&] {
-                return std::make_shared<Image>(
-                    take(paths.size() == 1 ? display::read_exr(paths.front()) : display::read_exr_set(paths)));
+                auto image = std::make_shared<Image>(take(display::read_exr_set(paths)));
+                if (paths.size() > 1)
+                    image->write = [paths](const std::string& path) {
+                        return error_at({path, 0, 0},
+                                        "the image comes from " + std::to_string(paths.size()) +
+                                            " files; expected an image that was rendered, or read from one file");
+                    };
+                return image;
             });
         },
         "paths"_a);

@@ -5,12 +5,14 @@ import os
 
 from . import _raylex
 from ._raylex import Atlas
+from .images import _factors
 from .lpe import _channels
 
 __all__ = ["Atlas", "WordsAt", "merge"]
 
 
-def _ask(self, lpe=None, *, dialect="renderman", shipped=False, light_groups=False, intervals=False, errors=False):
+def _ask(self, lpe=None, *, dialect="renderman", shipped=False, light_groups=False, intervals=False, errors=False,
+         what_if=None, light=None, mix=None):
     """Makes layers from the words, without tracing rays. Returns an :class:`Image` like :func:`raylex.render`.
 
     :param lpe: {layer: light path expression}; if the channels share no path, a layer 'rest' is added and the sum is
@@ -21,9 +23,13 @@ def _ask(self, lpe=None, *, dialect="renderman", shipped=False, light_groups=Fal
     :param intervals: True: a layer that is not exact is replaced by its bounds, NAME_least and NAME_most;
         by default it is an error
     :param errors: True: adds NAME_error for each layer, the standard error of its mean (R + G + B) / 3
+    :param what_if: {'OBJECT.LOBE': factor of its colour}, a number or three for red, green and blue
+    :param light: {light group: factor}, such as {'key': 2, 'default': '+1stop'}
+    :param mix: TOML file with more factors of both kinds
     :raises RaylexError: an expression that does not parse, or that distinguishes paths merged in the atlas
     """
-    return self._ask(_channels(lpe or {}, dialect), shipped, light_groups, intervals, errors)
+    return self._ask(_channels(lpe or {}, dialect), shipped, light_groups, intervals, errors,
+                     _factors(what_if, light, mix))
 
 
 def _at(self, x, y, top=20):

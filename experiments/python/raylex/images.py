@@ -80,6 +80,32 @@ def _verify(self, of="", sums=(), preset="", tolerance=(0.0, 0.0)):
     return _raylex._verify(self, of, list(sums), preset, tuple(tolerance))
 
 
+def _rebuild(self, of="", sums=(), preset=""):
+    """Reports what is missing when layers are added up: a list of :class:`Rebuild`, one for each check of
+    :meth:`verify` with these arguments. ``print(image.rebuild()[0])`` prints the lines of ``raylex verify``.
+    """
+    return [verdict.rebuild for verdict in self.verify(of, sums, preset)]
+
+
+def _factors(what_if, light, mix):
+    """Texts NAME=FACTOR for colours and lights, and the name of a file with more of them."""
+    def texts(factors):
+        return [f"{name}={value if isinstance(value, str) else ','.join(repr(float(v)) for v in np.atleast_1d(value))}"
+                for name, value in (factors or {}).items()]
+    return texts(what_if), texts(light), os.fspath(mix) if mix else ""
+
+
+def mix(path, output, light=None, *, mix=None):
+    """Scales the light groups of an image file and recomputes its beauty, like ``raylex mix``.
+
+    :param light: {layer or light group: factor}: a number, three numbers for red, green and blue, or '+1stop';
+        'default' is the light without a group
+    :param mix: TOML file with more factors, such as the page of an image saves
+    :returns: the mixed :class:`Image`, written to `output`; its `warnings` name what is left out
+    """
+    return _raylex._mix(os.fspath(path), os.fspath(output), _factors(None, light, mix))
+
+
 def read(*paths):
     """Reads an OpenEXR file, or several files with one layer each of the same image, as an :class:`Image`."""
     return _raylex._read_image([os.fspath(path) for path in paths])
@@ -121,3 +147,4 @@ def picture(image, layer="", *, exposure=0.0, largest_side=0):
 Image.view = _view
 Image.to_xarray = _to_xarray
 Image.verify = _verify
+Image.rebuild = _rebuild
