@@ -279,8 +279,8 @@ Json image_json(const ExrImage& image, int block) {
             {"layers", Json::array()}};
 }
 
-/// The layers of light groups, for mix.js: those of a partition, or those that another renderer names so; null if there
-/// are none. `rest`: whether the beauty can have light that is in none of them.
+/// The layers of light groups, for mix.js: those of a partition, or those that another renderer names so, or none; null
+/// without a beauty. `rest`: whether the beauty can have light that is in none of them.
 Json mix_json(const ExrImage& image) {
     const auto beauty = image.require_layer("");
     if (!beauty || !(*beauty)->is_color()) return nullptr;
@@ -296,7 +296,6 @@ Json mix_json(const ExrImage& image) {
                 !layer.name.ends_with("_noisy") &&
                 std::string_view(layer.name).substr(layer.name.rfind('.') + 1).starts_with(prefix))
                 names.push_back(layer.name);
-    if (names.empty()) return nullptr;
     return {{"whole", shown_name(**beauty)}, {"layers", names}, {"rest", true}};
 }
 

@@ -125,7 +125,7 @@
       a: () => { state.all = !state.all; paint(); }, e: () => lift(0.5), E: () => lift(-0.5),
       '+': () => panes.zoom(2), '-': () => panes.zoom(0.5) };
     const words = part(section, 'script.words') ? raylexWords(section, { width, height, block, addLayer }) : null;
-    if (image.mix) raylexMix(section, { mix: image.mix, layers, loaded, addLayer, repaint: () => paint() });
+    if (image.mix) raylexMix(section, { mix: image.mix, layers, words, width, height, loaded, addLayer, repaint: () => paint() });
     paint();
     return { section, key: name => keys[name] };
   };

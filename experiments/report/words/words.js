@@ -189,5 +189,5 @@ const raylexWords = (section, page) => {
   input.addEventListener('input', check);
   dialect.addEventListener('change', check);
   read(-1, -1);
-  return { read };
+  return { read, loaded, placeOf };
 };
