@@ -105,7 +105,7 @@ def main():
     parser.add_argument("--reference", type=int, default=1024, help="samples per pixel of each reference")
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--raylex", default=ROOT / "build" / "release" / "raylex")
-    arguments = parser.parse_args()
+    arguments = parser.parse_intermixed_args()
     arguments.spp = arguments.spp or (16 if arguments.question == "coverage" else 64)
     results = []
     for name in arguments.scenes:

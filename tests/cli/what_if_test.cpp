@@ -251,11 +251,12 @@ TEST_CASE("20 edits of an atlas agree with renders of the edited scenes, within 
     // 95 % of 60 are 57. The layers of an edit are correlated, so the count scatters like that of about 30 comparisons.
     WARN(agree << " of " << compared << " comparisons are within the interval of 95 %");
     CHECK(agree >= 50);
-    // Student's t with 14 degrees of freedom, for two errors from eight parts each, exceeds 2.145 in 5 % of cases, and
-    // in 6.5 % if one of both errors is negligible (7 degrees). 8400 pixels scatter by 0.5 %, with correlated layers.
-    WARN(pixels_agree << " of " << pixels << " pixels");
-    CHECK(pixels_agree >= 0.92 * pixels);
-    CHECK(pixels_agree <= 0.97 * pixels);
+    // Student's t with 14 degrees of freedom, for two errors from eight parts each, exceeds 2.145 in 5 % of cases. It
+    // exceeds it less often where rare bright samples make light heavy-tailed. 8400 pixels, of which each serves three
+    // correlated layers, scatter by 0.4 %.
+    WARN(pixels_agree << " of " << pixels << " pixels are within theirs");
+    CHECK(pixels_agree >= 0.94 * pixels);
+    CHECK(pixels_agree <= 0.985 * pixels);
 }
 
 TEST_CASE("what an atlas cannot answer is refused by name", "[atlas][gate]") {

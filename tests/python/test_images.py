@@ -108,11 +108,18 @@ class Denoising(Case):
         self.assertEqual(image.rebuild()[0].lines, [])
 
     def test_a_set_of_files_is_denoised_but_not_written(self):
-        options = dict(spp=4, resolution=(24, 16), statistics={"beauty": ["mse"]})
-        for seed in (1, 2):
-            raylex.render(CORNELL, seed=seed, output=self.folder / f"{seed}.exr", **options)
-        pair = raylex.read(self.folder / "1.exr", self.folder / "2.exr")
-        self.assertRaylexError("comes from 2 files", pair.write, self.folder / "o.exr")
+        files = [self.folder / "beauty.exr", self.folder / "other.exr"]
+        raylex.render(CORNELL, spp=4, resolution=(24, 16), output=files[0])
+        raylex.render(CORNELL, spp=4, resolution=(24, 16), statistics={"beauty": ["mse"]}, output=files[1])
+        noisy = raylex.read(*files)  # the variance of the beauty is in the second file
+        denoised = noisy.denoise()
+        self.assertFalse(np.array_equal(denoised["beauty"], noisy["beauty"]))
+        self.assertRaylexError("comes from 2 files", denoised.write, self.folder / "o.exr")
+
+    def test_a_crop_is_denoised_as_in_its_file(self):
+        file = self.folder / "crop.exr"
+        image = raylex.render(CORNELL, spp=8, resolution=(24, 16), crop=(3, 2, 20, 12), denoise=True, output=file)
+        self.assertSameBits(np.ascontiguousarray(raylex.read(file)["beauty"]), image["beauty"])
 
     def test_an_image_with_statistics_is_denoised_later(self):
         names = ["beauty", "direct", "rest"]

@@ -40,6 +40,7 @@ ExrImage empty_image(const PixelImage& frame_buffer, const ImageDescription& des
     ExrImage image;
     image.width = frame_buffer.layout().width;
     image.height = frame_buffer.layout().height;
+    image.data_window = description.data_window;
     image.chromaticities = description.chromaticities;
     return image;
 }

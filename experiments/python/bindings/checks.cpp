@@ -28,11 +28,6 @@ struct CheckResult {
     std::string note;  ///< of a preset: the omitted layers, and its formula
 };
 
-/// The differences that a check found.
-struct Rebuild {
-    CheckResult of;
-};
-
 std::vector<CheckResult> results_of(const display::ExrImage& image, std::vector<SplitResult> splits) {
     std::vector<CheckResult> results;
     for (SplitResult& each : splits) results.push_back({std::move(each), image.width, image.height, {}});
@@ -81,50 +76,20 @@ std::vector<CheckResult> verify(const Image& image, const std::string& of, const
     });
 }
 
-void add_rebuild(py::module_& module) {
-    const auto share = [](const CheckResult& v, double light) {
-        return v.split.rebuild.whole > 0 ? light / v.split.rebuild.whole : light;
-    };
-    py::class_<Rebuild>(module, "Rebuild", "What is missing when the layers of a split are added up.")
-        .def_property_readonly(
-            "lines", [](const Rebuild& r) { return experiments::rebuild_lines(r.of.split); },
-            "the lines of `raylex verify`")
-        .def_property_readonly(
-            "unassigned", [share](const Rebuild& r) { return share(r.of, r.of.split.rebuild.unassigned.light); },
-            "light that the sum lacks, as a fraction of all light")
-        .def_property_readonly(
-            "doubled", [share](const Rebuild& r) { return share(r.of, r.of.split.rebuild.doubled.light); },
-            "light that the sum has more than once, as a fraction of all light")
-        .def_property_readonly(
-            "lost",
-            [share](const Rebuild& r) {
-                std::map<std::string, double> lost;
-                for (const auto& [factor, light] : r.of.split.rebuild.lost) lost[factor] = share(r.of, light);
-                return lost;
-            },
-            "{colour: unassigned light where this factor of a product is 0, as a fraction of all light}")
-        .def_property_readonly(
-            "negative",
-            [](const Rebuild& r) {
-                std::map<std::string, std::pair<std::size_t, float>> negative;
-                for (const auto& [layer, values] : r.of.split.rebuild.negative)
-                    negative[layer] = {values.pixels, values.lowest};
-                return negative;
-            },
-            "{layer: (pixels with negative values, the lowest value)}")
-        .def_property_readonly(
-            "difference",
-            [](const Rebuild& r) {
-                std::vector<float> light = r.of.split.rebuild.light;
-                light.resize(static_cast<std::size_t>(r.of.width) * static_cast<std::size_t>(r.of.height) * 3);
-                return owning_array(std::move(light), {r.of.height, r.of.width, 3});
-            },
-            "float32 (height, width, 3): whole minus sum beyond what is allowed, else 0")
-        .def("__str__", [](const Rebuild& r) {
-            std::string text = experiments::result_line(r.of.split);
-            for (const std::string& line : experiments::rebuild_lines(r.of.split)) text += "\n  " + line;
-            return text;
-        });
+/// The attributes of raylex.Rebuild.
+py::dict rebuild_of(const CheckResult& result) {
+    const display::Rebuild& rebuild = result.split.rebuild;
+    const double whole = rebuild.whole > 0 ? rebuild.whole : 1;
+    std::map<std::string, double> lost;
+    for (const auto& [factor, light] : rebuild.lost) lost[factor] = light / whole;
+    std::map<std::string, std::pair<std::size_t, float>> negative;
+    for (const auto& [layer, values] : rebuild.negative) negative[layer] = {values.pixels, values.lowest};
+    std::vector<float> light = rebuild.light;
+    light.resize(3 * static_cast<std::size_t>(result.width) * static_cast<std::size_t>(result.height));
+    return py::dict("lines"_a = experiments::rebuild_lines(result.split),
+                    "unassigned"_a = rebuild.unassigned.light / whole, "doubled"_a = rebuild.doubled.light / whole,
+                    "lost"_a = lost, "negative"_a = negative,
+                    "difference"_a = owning_array(std::move(light), {result.height, result.width, 3}));
 }
 
 void add_results(py::module_& module) {
@@ -154,9 +119,7 @@ void add_results(py::module_& module) {
                 return owning_array(std::vector<float>(v.split.residual), {v.height, v.width});
             },
             "float32 (height, width): |sum - of| relative to sum of |layers| + |of|, largest component")
-        .def_property_readonly(
-            "rebuild", [](const CheckResult& v) { return Rebuild{v}; },
-            "what is missing when the layers are added up, as a Rebuild")
+        .def("_rebuild", &rebuild_of)
         .def_readonly("formula", &CheckResult::note, "of a preset: the formula of the sum")
         .def("__bool__", [](const CheckResult& v) { return v.split.holds; })
         .def("__str__", [](const CheckResult& v) { return experiments::result_text(v.split); })
@@ -267,7 +230,6 @@ void add_pictures(py::module_& module) {
 }  // namespace
 
 void add_checks(py::module_& module) {
-    add_rebuild(module);
     add_results(module);
     module.def("_metrics", [] {
         std::vector<std::pair<std::string, std::string>> all;

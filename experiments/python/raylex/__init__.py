@@ -25,12 +25,12 @@ finally:
     _sys.setdlopenflags(_flags)
 
 from . import atlases, experiment, lpe, notebook, plugins  # noqa: E402
-from ._raylex import Atlas, Image, Progress, Rebuild, Scene, SceneBuilder, Verdict, load_plugin  # noqa: E402
-from .images import Layer, compare, error_image, metrics, mix, picture, read  # noqa: E402
+from ._raylex import Atlas, Image, Progress, Scene, SceneBuilder, Verdict, load_plugin  # noqa: E402
+from .images import Layer, Rebuild, compare, error_image, metrics, mix, picture, read  # noqa: E402
 from .plugins import integrator, sample_filter, texture  # noqa: E402
 from .rendering import render  # noqa: E402
 
 __version__ = _raylex.version
-__all__ = ["Atlas", "Image", "Layer", "Progress", "RaylexError", "Rebuild", "Scene", "SceneBuilder", "Verdict", "atlases", "compare", "error_image",
-           "experiment", "integrator", "load_plugin", "lpe", "metrics", "mix", "picture", "plugins", "read", "render",
-           "sample_filter", "texture"]
+__all__ = ["Atlas", "Image", "Layer", "Progress", "RaylexError", "Rebuild", "Scene", "SceneBuilder", "Verdict",
+           "atlases", "compare", "error_image", "experiment", "integrator", "load_plugin", "lpe", "metrics", "mix",
+           "picture", "plugins", "read", "render", "sample_filter", "texture"]

@@ -80,11 +80,28 @@ def _verify(self, of="", sums=(), preset="", tolerance=(0.0, 0.0)):
     return _raylex._verify(self, of, list(sums), preset, tuple(tolerance))
 
 
-def _rebuild(self, of="", sums=(), preset=""):
-    """Reports what is missing when layers are added up: a list of :class:`Rebuild`, one for each check of
-    :meth:`verify` with these arguments. ``print(image.rebuild()[0])`` prints the lines of ``raylex verify``.
+class Rebuild:
+    """What is missing when layers are added up. ``print`` shows the lines of ``raylex verify``.
+
+    :ivar lines: these lines, a list of str
+    :ivar unassigned, doubled: light that the sum lacks, and light that it has more than once, as fractions of all light
+    :ivar lost: {colour: unassigned light where this factor of a product is 0, as a fraction}
+    :ivar negative: {layer: (pixels with negative values, the lowest value)}
+    :ivar difference: float32 (height, width, 3): whole minus sum beyond what is allowed, else 0
     """
-    return [verdict.rebuild for verdict in self.verify(of, sums, preset)]
+
+    def __init__(self, verdict):
+        self.__dict__.update(verdict._rebuild())
+        self._verdict = str(verdict)
+
+    def __str__(self):
+        return "\n  ".join([self._verdict, *self.lines])
+
+
+def _rebuild(self, of="", sums=(), preset=""):
+    """Returns what is missing when layers are added up: a list of :class:`Rebuild`, one for each check of
+    :meth:`verify` with these arguments."""
+    return [Rebuild(verdict) for verdict in self.verify(of, sums, preset)]
 
 
 def _factors(what_if, light, mix):
