@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "display/services/parameters.h"
 #include "experiments/python/bindings/arrays.h"
 
 #include <pybind11/stl.h>
