@@ -14,7 +14,7 @@ double average(const std::vector<double>& values) {
     return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-double standard_error(const std::vector<double>& values) {
+double error_of_average(const std::vector<double>& values) {
     double squares = 0;
     for (const double value : values) squares += std::pow(value - average(values), 2);
     const auto count = static_cast<double>(values.size());
@@ -60,8 +60,8 @@ PilotNoise Pilot::noise_of(const std::vector<std::vector<double>>& images, doubl
         of_seeds.push_back(sum / static_cast<double>(mean.size()));
     }
     const double kept_terms = average(of_seeds), all = average(terms);
-    return {kept_terms, standard_error(of_seeds), all > 0 ? std::max(0.0, 1 - kept_terms / all) : 0, average(lights),
-            standard_error(lights)};
+    return {kept_terms, error_of_average(of_seeds), all > 0 ? std::max(0.0, 1 - kept_terms / all) : 0, average(lights),
+            error_of_average(lights)};
 }
 
 PilotNoise Pilot::noise_of(const std::vector<const PilotPass*>& passes, const std::vector<double>& samples) const {
