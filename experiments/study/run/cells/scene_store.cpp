@@ -35,6 +35,20 @@ std::uint64_t peak_memory_since_reset() {
     return peak_memory_bytes();
 }
 
+Result<JobOutput> rendered_by(const Job& job, const PassPlan& passes, const StudyScene& made,
+                              const std::function<void(const transport::RenderProgress&)>& progress,
+                              const std::atomic<bool>* stop) {
+    try {
+        if (!passes.passes.empty()) return render_job(job, passes, made.loaded->scene, *made.built, progress, stop);
+        // The directory of the cell identifies the scene: its checkpoint has no hash of the scene.
+        auto image = transport::render(*made.built, job.settings, progress, stop);
+        if (!image) return image.error();
+        return JobOutput{*std::move(image)};
+    } catch (const std::bad_alloc&) {
+        return error_at({}, "out of memory; use a smaller resolution or fewer channels");
+    }
+}
+
 }  // namespace
 
 double relative_error(const transport::RenderOutput& output) {
@@ -194,13 +208,7 @@ Result<Rendered> SceneStore::render(const RenderOrder& order,
     const auto baseline_cpu = [&] { return order.beside == nullptr ? 0.0 : order.beside->cpu_seconds(); };
     const double before = baseline_cpu();
     const transport::Stopwatch watch;
-    auto output = [&]() -> Result<JobOutput> {
-        try {
-            return render_job(job, passes, (*made)->loaded->scene, *(*made)->built, progress, stop);
-        } catch (const std::bad_alloc&) {
-            return error_at({}, "out of memory; use a smaller resolution or fewer channels");
-        }
-    }();
+    auto output = rendered_by(job, passes, **made, progress, stop);
     const double wall = watch.wall(), cpu = watch.process_cpu() - (baseline_cpu() - before);
     seconds_ += wall;
     if (!output) return output.error();
