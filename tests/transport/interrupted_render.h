@@ -52,6 +52,7 @@ class CountedIntegrator final : public transport::Integrator {
     explicit CountedIntegrator(std::unique_ptr<transport::Integrator> counted) : counted_(std::move(counted)) {}
     [[nodiscard]] transport::IntegratorTraits traits() const override { return counted_->traits(); }
     [[nodiscard]] transport::PlanRequest plan_request() const override { return counted_->plan_request(); }
+    [[nodiscard]] transport::GuideRequest guide_request() const override { return counted_->guide_request(); }
     raylex::Status prepare(const transport::IntegratorContext& context) override { return counted_->prepare(context); }
     [[nodiscard]] std::unique_ptr<transport::IntegratorThread> make_thread_state() const override {
         return counted_->make_thread_state();

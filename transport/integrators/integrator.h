@@ -125,6 +125,16 @@ struct PlanRequest {
     Real roulette_below = 0;         ///< WalkOptions::roulette_below; 0: no ray may be left out at random
 };
 
+/// Whether directions of paths are learned before the render (paths/guide/guide.h).
+enum class GuideMode : std::uint8_t { off, automatic, on };
+
+struct GuideRequest {
+    GuideMode mode = GuideMode::off;
+    std::uint32_t samples = 0;  ///< of each pixel for training; 0: by the size of image and render
+    /// Makes an integrator that traces the paths of the training. The context of its prepare() has the guide.
+    std::function<std::unique_ptr<Integrator>()> make_trial;
+};
+
 class Integrator {
   public:
     Integrator() = default;
@@ -139,6 +149,9 @@ class Integrator {
     [[nodiscard]] virtual std::vector<std::string> cuts() const { return {}; }
     /// Before prepare(): returns what the render may plan for the integrator's camera subpaths. By default nothing.
     [[nodiscard]] virtual PlanRequest plan_request() const { return {}; }
+    /// Before prepare(): whether the render may learn the directions of the integrator's camera subpaths. By default
+    /// not.
+    [[nodiscard]] virtual GuideRequest guide_request() const { return {}; }
     [[nodiscard]] virtual std::unique_ptr<IntegratorThread> make_thread_state() const {
         return std::make_unique<IntegratorThread>();
     }

@@ -19,16 +19,16 @@ class DirectionSampler {
     virtual ~DirectionSampler() = default;
 
     /// Samples the direction in which a path of `mode` that arrived from point.wo continues; u_lobe and u are in [0,
-    /// 1). For a direction with a density the walk reads only `wi` and `pdf` of the result, and evaluates the closure
-    /// for `wi`; `pdf` must equal pdf() of the rounded `wi`. A specular direction (`delta`) must be a sample of the
-    /// closure: its pdf is multiplied, and its weight divided, by the probability of sampling the closure. If pdf is 0,
-    /// the path ends.
+    /// 1). For a direction with a density, `pdf` must equal pdf() of the rounded `wi`. The walk evaluates the closure
+    /// for `wi`, unless the result is_weighed; then `weight` and `lobes` are those of the sample. A specular direction
+    /// (`delta`) must be a sample of the closure: its pdf is multiplied, and its weight divided, by the probability of
+    /// sampling the closure. If pdf is 0, the path ends.
     [[nodiscard]] virtual BsdfSample sample(const Bsdf& bsdf, const SurfacePoint& point, TransportMode mode,
                                             Real u_lobe, const Vec2& u) const = 0;
-    /// The density per steradian with which sample() returns `to` for a path of `mode` that arrived from `from`.
-    /// Specular directions are not included.
-    [[nodiscard]] virtual Real pdf(const Bsdf& bsdf, const SurfacePoint& point, TransportMode mode, const Vec3& from,
-                                   const Vec3& to) const = 0;
+    /// The density per steradian with which sample() returns `to` for a path of `mode`. `closure_pdf`: the density with
+    /// which the closure draws `to` for the direction that the path arrived from. Specular directions are not included.
+    [[nodiscard]] virtual Real pdf(const Bsdf& bsdf, const SurfacePoint& point, TransportMode mode, const Vec3& to,
+                                   Real closure_pdf) const = 0;
 };
 
 /// The density per steradian with which a path of `mode` that arrived from `from` continues to `to`. If `directions` is
@@ -36,7 +36,8 @@ class DirectionSampler {
 template <TransportMode mode>
 [[gnu::always_inline]] inline Real direction_density(const DirectionSampler* directions, const Bsdf& bsdf,
                                                      const SurfacePoint& point, const Vec3& from, const Vec3& to) {
-    return directions == nullptr ? bsdf.pdf(from, to) : directions->pdf(bsdf, point, mode, from, to);
+    const Real by_closure = bsdf.pdf(from, to);
+    return directions == nullptr ? by_closure : directions->pdf(bsdf, point, mode, to, by_closure);
 }
 
 }  // namespace raylex::transport

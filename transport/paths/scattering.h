@@ -79,7 +79,7 @@ template <TransportMode mode>
                                                               const SurfacePoint& point, const Vec3& to) {
     BsdfEvaluation f = bsdf.evaluate(point.wo, to);
     if (directions != nullptr && !f.value.is_black())
-        f.pdf = directions->pdf(bsdf, point, TransportMode::radiance, point.wo, to);
+        f.pdf = directions->pdf(bsdf, point, TransportMode::radiance, to, f.pdf);
     return f;
 }
 
@@ -100,7 +100,7 @@ template <TransportMode mode, bool both = true>
         ConnectedScattering result{bsdf.evaluate(to, point.wo), 0};
         result.pdf_reverse = result.f.pdf;
         if (directions != nullptr)
-            result.pdf_reverse = directions->pdf(bsdf, point, TransportMode::radiance, to, point.wo);
+            result.pdf_reverse = directions->pdf(bsdf, point, TransportMode::radiance, point.wo, result.pdf_reverse);
         result.f.value *= point.cosine(to) / g_in;
         result.f.pdf =
             both && !result.f.value.is_black() ? direction_density<mode>(directions, bsdf, point, point.wo, to) : 0.0f;
@@ -119,6 +119,7 @@ template <TransportMode mode>
         if constexpr (mode == TransportMode::importance) weigh_importance(bsdf, point, s);
         return s;
     }
+    if (s.is_weighed) return s;
     const ConnectedScattering scattering = evaluate_scattering<mode, false>(nullptr, bsdf, point, s.wi);
     s.weight = scattering.f.value * (1 / s.pdf);
     s.lobes = scattering.f.lobes;

@@ -233,7 +233,7 @@ class Walk {
     [[nodiscard]] std::uint64_t planned_state(std::uint32_t row) const;
     static std::uint32_t take_branch(Subpath& path, SplitState& split, const BsdfSample& s);
     [[gnu::always_inline]] inline bool goes_on(std::uint32_t row);
-    void pass_vertex(std::uint32_t row, const Vec3& direction);
+    void pass_vertex(std::uint32_t row, const Bsdf& bsdf, const BsdfSample& s);
     void reject(std::uint32_t row);
 
     const DepthLimit depth_limit_;

@@ -145,7 +145,7 @@ bool Walk<mode>::goes_on(std::uint32_t row) {
 }
 
 template <TransportMode mode>
-[[gnu::noinline]] void Walk<mode>::pass_vertex(std::uint32_t row, const Vec3& direction) {
+[[gnu::noinline]] void Walk<mode>::pass_vertex(std::uint32_t row, const Bsdf& bsdf, const BsdfSample& s) {
     const Subpath& path = paths_[row];
     later_->pass({.row = row,
                   .depth = path.depth,
@@ -153,8 +153,12 @@ template <TransportMode mode>
                   .throughput = throughput(row),
                   .strength = path.beta.max() * path.roulette_scale,
                   .split = !splits_.empty() && splits_[row].split,
+                  .guidable = bsdf.has_density() && bsdf.pdf_is_exact(),
+                  .specular = s.delta,
                   .position = path.from,
-                  .direction = direction,
+                  .direction = s.wi,
+                  .normal = path.from_normal,
+                  .chance = s.pdf,
                   .pdf = path.pdf});
 }
 
@@ -213,6 +217,7 @@ bool Walk<mode>::scatter_vertex(std::size_t j, [[maybe_unused]] std::uint32_t br
     path.beta *= s.weight;
     const std::uint32_t rays = planned ? take_branch(path, splits_[row], s) : 1;
     leave_vertex<mode>(path, point, s);
+    if (mode == TransportMode::radiance && directions != nullptr) path.roulette_scale *= s.favoured;
     const bool counts_whole = !depth_limit_.has_bodies() && options_.counts_first_specular;
     if (!counts_whole && !stays_short(j, s.wi)) return false;
     if constexpr (mode == TransportMode::radiance) record_.scatter(row, v.sources[j].label, s.lobes);
@@ -225,7 +230,7 @@ bool Walk<mode>::scatter_vertex(std::size_t j, [[maybe_unused]] std::uint32_t br
         !goes_on(row))
         return false;
     if (rays > 1 && !path.specular) path.pdf *= static_cast<Real>(rays);
-    if (mode == TransportMode::radiance && later_ != nullptr) pass_vertex(row, s.wi);
+    if (mode == TransportMode::radiance && later_ != nullptr) pass_vertex(row, bsdf, s);
     if (options_.densities) {
         const Real reverse = s.delta ? 1 : direction_density<reverse_mode>(directions, bsdf, point, s.wi, point.wo);
         mis_weights_[row].leave(s.delta, static_cast<double>(reverse), static_cast<double>(point.cosine(s.wi)));

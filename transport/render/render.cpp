@@ -36,7 +36,7 @@ Result<RenderOutput> render_all(const BuiltScene& scene, const RenderSettings& s
     const Stopwatch since_call;
     auto resolved = ResolvedJob::resolve(scene, settings);
     if (!resolved) return resolved.error();
-    auto prepared = PreparedJob::prepare(*std::move(resolved));
+    auto prepared = PreparedJob::prepare(*std::move(resolved), since_call, stop);
     if (!prepared) return prepared.error();
     auto buckets = plan_buckets(*prepared);
     if (!buckets) return buckets.error();

@@ -25,6 +25,7 @@
 #include "lpe/channels/lobe_slots.h"
 #include "lpe/result.h"
 #include "transport/paths/counters.h"
+#include "transport/paths/guide/guide_summary.h"
 #include "transport/render/render_settings.h"
 #include "transport/scene/scene_description.h"
 
@@ -80,6 +81,7 @@ struct RenderStatistics {
     double build_seconds = 0, build_cpu_seconds = 0;      ///< scene tables and acceleration structure
     double prepare_seconds = 0, prepare_cpu_seconds = 0;  ///< the integrator's tables, pilots and start-up
     std::uint64_t pilot_rays = 0;                         ///< traced to plan paths; not part of the image
+    GuideSummary guide;                                   ///< what was learned about directions
     double render_seconds = 0, render_cpu_seconds = 0;
     std::uint64_t camera_samples = 0, camera_rays = 0, scattering_rays = 0, shadow_rays = 0;
     std::uint64_t discarded_samples = 0;               ///< in iterations that the integrator discarded, in this session

@@ -48,6 +48,15 @@ void print_written_results(const RenderSummary& of) {
                        result->second.substr(0, result->second.find_last_not_of(' ') + 1));
 }
 
+void print_guide(const transport::GuideSummary& guide) {
+    if (guide.samples == 0) return;
+    print_line("guide: " + std::to_string(guide.samples) + " samples of each pixel for training (" +
+               duration_text(guide.seconds) + "), forecast gain " + number_text(guide.gain) +
+               (guide.used ? ", used in " + number_text(100 * guide.guided) + " % of " + std::to_string(guide.regions) +
+                                 " regions, " + size_text(static_cast<double>(guide.bytes))
+                           : std::string(", not used")));
+}
+
 }  // namespace
 
 void print_summary(const RenderSummary& of) {
@@ -75,6 +84,7 @@ void print_summary(const RenderSummary& of) {
         fs::exists(checkpoint_file(of.job), failed))
         print_line(checkpoint_file(of.job) + ": --resume continues from here");
     print_sampling(of);
+    print_guide(statistics.guide);
     if (!of.beauties.empty())
         print_line("layers equal to the beauty: " + lpe::joined_by(of.beauties, ", ") +
                    " (they accept every path of this scene)");

@@ -95,6 +95,12 @@ Json memory_json(const RunRecord& record) {
             {"layers", layers}};
 }
 
+Json guide_json(const transport::GuideSummary& guide) {
+    return {{"used", guide.used},          {"samples_per_pixel", guide.samples}, {"paths", guide.paths},
+            {"regions", guide.regions},    {"guided_share", guide.guided},       {"memory_bytes", guide.bytes},
+            {"forecast_gain", guide.gain}, {"wall_seconds", guide.seconds},      {"cpu_seconds", guide.cpu_seconds}};
+}
+
 Json deep_json(const display::DeepCounts& counts) {
     return {{"samples", counts.samples},
             {"pixels_past_the_limit", counts.merged_pixels},
@@ -131,6 +137,7 @@ std::string statistics_json(const RunRecord& record) {
                     {"total", rays},
                     {"pilot", statistics.pilot_rays}};
     json["branches"] = statistics.branches;
+    if (statistics.guide.samples > 0) json["guide"] = guide_json(statistics.guide);
     json["effects"] = effects_json(record.effects, record.job->effects);
     json["aovs"] = aovs_json(record.job->settings.channels.list);
     const auto pruned = [&](transport::Pruned cause) { return statistics.pruned[static_cast<std::size_t>(cause)]; };

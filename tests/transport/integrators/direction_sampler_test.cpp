@@ -37,13 +37,13 @@ class UniformMixture final : public transport::DirectionSampler {
         } else {
             s.wi = transport::sample_uniform_sphere(u);
         }
-        s.pdf = pdf(bsdf, point, mode, point.wo, s.wi);
+        s.pdf = pdf(bsdf, point, mode, s.wi, bsdf.pdf(point.wo, s.wi));
         return s;
     }
-    [[nodiscard]] Real pdf(const Bsdf& bsdf, const SurfacePoint& /*point*/, TransportMode mode, const Vec3& from,
-                           const Vec3& to) const override {
+    [[nodiscard]] Real pdf(const Bsdf& /*bsdf*/, const SurfacePoint& /*point*/, TransportMode mode, const Vec3& /*to*/,
+                           Real closure_pdf) const override {
         const Real share = closure_share(mode);
-        return share * bsdf.pdf(from, to) + (1 - share) * transport::uniform_sphere_pdf();
+        return share * closure_pdf + (1 - share) * transport::uniform_sphere_pdf();
     }
 
   private:
@@ -118,14 +118,14 @@ TEST_CASE("the density of a mixture of closure and sphere integrates to 1", "[di
                 for (int k = 0; k < sectors; ++k) {
                     const Vec2 u{(static_cast<Real>(i) + 0.5f) / rings, (static_cast<Real>(k) + 0.5f) / sectors};
                     const Vec3 to = transport::sample_uniform_sphere(u);
-                    sum += double{mixture.pdf(bsdf, point, mode, point.wo, to)};
+                    sum += double{mixture.pdf(bsdf, point, mode, to, bsdf.pdf(point.wo, to))};
                 }
             sum *= 4 * std::numbers::pi / (rings * sectors);
             CHECK(sum == Approx(1).margin(1e-4));
             raylex::test::Random random(7);
             for (int i = 0; i < 100; ++i) {
                 const BsdfSample s = mixture.sample(bsdf, point, mode, random.one(), random.two());
-                CHECK(s.pdf == mixture.pdf(bsdf, point, mode, point.wo, s.wi));
+                CHECK(s.pdf == mixture.pdf(bsdf, point, mode, s.wi, bsdf.pdf(point.wo, s.wi)));
             }
         }
 }

@@ -18,13 +18,15 @@ struct PathParameters : WalkOptions {
     LightSelection light_selection = LightSelection::receiver;
     bool splits = true;            ///< without beauty: split paths where the plan finds a gain (strategy mis)
     bool channel_roulette = true;  ///< without beauty: roulette by what channels may still receive (strategy mis)
+    GuideMode guide = GuideMode::off;
+    std::uint32_t guide_samples = 0;  ///< GuideRequest::samples
 };
 
 /// Makes the integrator for other integrators that use it.
 std::unique_ptr<Integrator> make_path_integrator(const PathParameters& parameters);
 
 /// The registry's entry: parameters maxdepth, strategy, roulette, rrthreshold, splits, channelroulette, regularize,
-/// lightsampler.
+/// lightsampler, guide, guidesamples.
 Registry<IntegratorFactory>::Entry path_integrator_entry();
 
 }  // namespace raylex::transport

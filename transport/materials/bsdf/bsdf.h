@@ -81,6 +81,10 @@ struct BsdfSample {
     bool delta = false;
     bool transmitted = false;
     bool pdf_is_proportional = false;  ///< stochastic (layered) closures: `pdf` belongs to `weight`; MIS uses pdf()
+    bool is_weighed = false;           ///< of a DirectionSampler: `weight` and `lobes` are set, for paths of radiance
+    /// Of a DirectionSampler: its density over the closure's. Roulette multiplies the throughput by it, since a
+    /// direction that is drawn more often than by the closure is no less worth following.
+    Real favoured = 1;
 };
 
 }  // namespace raylex::transport

@@ -38,6 +38,10 @@ class Bsdf {
             return LambertClosure::pdf(frame_, wo, wi);
         return pdf_other(wo, wi);
     }
+    /// Whether pdf() is the density of sample(). Of layered closures it is only near it.
+    [[nodiscard]] bool pdf_is_exact() const {
+        return !holds<LayeredClosure<LambertClosure>>() && !holds<LayeredClosure<ConductorClosure>>();
+    }
     /// Whether any lobe has a density: false means that light sampling is of no use here.
     [[nodiscard]] bool has_density() const { return has_density_; }
     /// Rough estimate of the directional albedo, for the albedo AOV.

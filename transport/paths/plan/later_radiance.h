@@ -28,7 +28,12 @@ struct PassedVertex {
     Rgb throughput;           ///< includes the scattering here; each ray of a split vertex carries its part of it
     Real strength = 0;        ///< the value that roulette compares: the largest colour, without the scaling by eta^2
     bool split = false;       ///< rays are split at this vertex or before
+    /// The vertex' closure has a density that a sampler of directions may change.
+    bool guidable = false;
+    bool specular = false;  ///< the direction is that of a specular lobe
     Vec3 position, direction;
+    Vec3 normal;      ///< shading normal; zero in a medium
+    Real chance = 0;  ///< density of the direction per steradian, or the probability of its specular lobe
     /// Density of the direction per steradian, times the expected number of rays that leave the vertex by the plan. For
     /// a specular direction: the probability of its lobe.
     Real pdf = 0;

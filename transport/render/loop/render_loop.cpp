@@ -131,7 +131,8 @@ FinishedLoop RenderLoop::finish() {
     statistics.build_seconds = job.scene.build_seconds;
     statistics.build_cpu_seconds = job.scene.build_cpu_seconds;
     statistics.prepare_seconds = state_.prepared.seconds + start_up_seconds_;
-    statistics.pilot_rays = state_.prepared.paths->rays;
+    statistics.pilot_rays = state_.prepared.paths->rays + state_.prepared.guide.rays;
+    statistics.guide = state_.prepared.guide.summary;
     statistics.prepare_cpu_seconds = state_.prepared.cpu_seconds + start_up_cpu_seconds_;
     statistics.render_seconds = state_.session_seconds() - start_up_seconds_;
     state_.collect(statistics);

@@ -43,7 +43,9 @@ class PilotPaths {
     static constexpr std::uint32_t grid = 16;
     static constexpr std::uint32_t most_depth = 16;  ///< bounds what a pilot costs
 
-    explicit PilotPaths(const IntegratorContext& context);
+    explicit PilotPaths(const IntegratorContext& context) : PilotPaths(context, context.services.light_channels()) {}
+    /// Receives the light of these channels.
+    PilotPaths(const IntegratorContext& context, std::vector<display::ChannelId> channels);
     PilotPaths(const PilotPaths&) = delete;
     PilotPaths& operator=(const PilotPaths&) = delete;
 
@@ -56,6 +58,11 @@ class PilotPaths {
     [[nodiscard]] std::uint32_t most_rounds(std::uint32_t most) const;
     /// Draws one path through each pixel of the grid, with numbers of its own for each round.
     void begin(std::uint32_t round);
+    /// Draws paths through each of these pixels: samples [first, first + count) of numbers with this seed. Those of a
+    /// pixel follow one another.
+    void begin_pixels(const display::PixelRegion& pixels, std::uint64_t seed, std::uint64_t first, std::uint32_t count);
+    /// From now on paths end early once `leave` is set.
+    void leave_when(const std::atomic<bool>& leave) { leave_ = &leave; }
     /// Follows the paths that begin() drew, and calls visit(pixel, path) for each.
     template <class Visit>
     void follow(const Integrator& integrator, IntegratorThread& thread, Visit visit) {
@@ -67,6 +74,10 @@ class PilotPaths {
     }
 
   private:
+    void clear();
+    /// Draws one path through a rectangle of the image: a square of side 1 at `corner`, times `scale`, in pixels.
+    void add(const PixelSampler& numbers, const Vec2& scale, const Vec2& corner, std::uint64_t sample);
+    void generate();
     [[nodiscard]] std::size_t capacity() const { return static_cast<std::size_t>(context_.batch_capacity); }
     void integrate(const Integrator& integrator, IntegratorThread& thread, std::size_t first, std::size_t count);
 
@@ -80,6 +91,7 @@ class PilotPaths {
     std::vector<Ray> rays_;
     std::vector<Real> weights_;  // of rays_; empty where all count alike
     std::vector<PixelSampler> samplers_;
+    const std::atomic<bool>* leave_ = nullptr;
 };
 
 }  // namespace raylex::transport

@@ -49,10 +49,29 @@ IntegratorContext PreparedJob::context() const {
     context.batch_capacity = RenderWorker::batch_capacity;
     context.tiles = static_cast<std::uint32_t>(job.grid.count());
     context.plan = paths ? &paths->plan : nullptr;
+    context.directions = guide.guide.get();
     return context;
 }
 
-Result<PreparedJob> PreparedJob::prepare(ResolvedJob resolved) {
+/// Learns directions, where the integrator asks for it. With a beauty it alone counts: what a guide learns, and so the
+/// image, depends on no other channel (Law 2).
+void PreparedJob::train(const Stopwatch& since_call, const std::atomic<bool>* stop) {
+    const std::vector<display::ChannelId> channels =
+        job.channels.beauty >= 0 ? std::vector{job.channels.beauty} : context().services.light_channels();
+    const double limit = job.budget.limit && job.budget.limit->seconds > 0 ? job.budget.limit->seconds : 0;
+    GuideTraining training;
+    training.request = job.integrator().guide_request();
+    training.channels = channels;
+    training.samples_per_pixel = job.budget.limit ? 0 : job.budget.samples_per_pixel;
+    training.threads = job.threads;
+    training.stopped = [&since_call, stop, limit] {
+        return (stop != nullptr && stop->load(std::memory_order_relaxed)) || (limit > 0 && since_call.wall() > limit);
+    };
+    guide = train_guide(context(), training);
+}
+
+Result<PreparedJob> PreparedJob::prepare(ResolvedJob resolved, const Stopwatch& since_call,
+                                         const std::atomic<bool>* stop) {
     const Stopwatch watch;
     PreparedJob prepared(std::move(resolved));
     ResolvedJob& job = prepared.job;
@@ -73,6 +92,7 @@ Result<PreparedJob> PreparedJob::prepare(ResolvedJob resolved) {
     prepared.paths = std::make_unique<const PlannedPaths>(
         job.settings.channels.takes.empty() ? make_path_plan(prepared.context(), job.integrator().plan_request())
                                             : PlannedPaths{});
+    prepared.train(since_call, stop);
     if (Status s = job.integrator().prepare(prepared.context()); !s) return s.error();
     for (Omission& omission : job.integrator().omissions())
         if (!omission.is_declared || job.settings.channels.takes.empty())

@@ -2,8 +2,11 @@
 // transport/render.
 #pragma once
 
+#include <atomic>
 #include <memory>
 
+#include "transport/render/clock.h"
+#include "transport/render/pilots/guide_pilot.h"
 #include "transport/render/pilots/make_path_plan.h"
 #include "transport/render/resolve/resolved_job.h"
 
@@ -12,7 +15,9 @@ namespace raylex::transport {
 class PreparedJob {
   public:
     /// Prepares events and geometric AOVs and calls Integrator::prepare() with them; Errors are the integrator's.
-    static Result<PreparedJob> prepare(ResolvedJob resolved);
+    /// `since_call` measures the time since the call of render(). `*stop` (may be null) ends the training of a guide.
+    static Result<PreparedJob> prepare(ResolvedJob resolved, const Stopwatch& since_call = {},
+                                       const std::atomic<bool>* stop = nullptr);
 
     /// The integrator's view of the render. Its pointers stay valid when the job is moved.
     [[nodiscard]] IntegratorContext context() const;
@@ -21,9 +26,11 @@ class PreparedJob {
     std::unique_ptr<const EventTable> events;
     std::unique_ptr<const geoaovs::GeometricAovs> aovs;
     std::unique_ptr<const PlannedPaths> paths;
+    TrainedGuide guide;
     double seconds = 0, cpu_seconds = 0;  ///< of the preparation
 
   private:
+    void train(const Stopwatch& since_call, const std::atomic<bool>* stop);
     explicit PreparedJob(ResolvedJob resolved) : job(std::move(resolved)) {}
 };
 

@@ -1,0 +1,267 @@
+// The density of a guide (paths/guide/): it integrates to 1, it is that of its samples, and it is learned to the same
+// bits by any number of threads.
+#include <algorithm>
+#include <numbers>
+#include <thread>
+
+#include "tests/transport/materials_support.h"
+#include "transport/math/octahedral.h"
+#include "transport/paths/guide/guide.h"
+#include "transport/paths/guide/guide_sums.h"
+#include "transport/render/stages/prepared_job.h"
+#include "transport/replicates.h"
+
+using namespace render_test;
+
+namespace {
+
+using raylex::test::Random;
+using transport::GuideRecord;
+using transport::GuideSums;
+using transport::GuideTree;
+using transport::Real;
+using transport::Vec2;
+using transport::Vec3;
+
+const transport::Bounds unit_box{{0, 0, 0}, {1, 1, 1}};
+constexpr double sphere_area = 4 * std::numbers::pi;
+
+/// Light from a spot of 5 degrees around a direction that turns with the position, and a little from everywhere.
+GuideRecord spot_record(Random& random, const GuideTree& tree, std::uint64_t key) {
+    GuideRecord record;
+    record.position = {random.one(), random.one(), random.one()};
+    record.normal = random.one() < 0.5f ? Vec3{0, 1, 0} : Vec3{0, 0, 0};
+    record.direction = transport::sample_uniform_sphere(random.two());
+    const Real around = record.position.x * 3;
+    const Vec3 spot{std::cos(around), std::sin(around), 0};
+    record.square = dot(record.direction, spot) > 0.996f ? 4 : 1e-5;
+    const GuideTree::Region& region = tree.region(tree.place_of(record.position, record.normal).region);
+    record.density = double{transport::uniform_sphere_pdf()};
+    record.chance = double{region.share * tree.density(region, record.direction) +
+                           (1 - region.share) * transport::uniform_sphere_pdf()};
+    record.key = key;
+    return record;
+}
+
+GuideTree taught(unsigned threads) {
+    GuideTree tree(unit_box);
+    for (std::uint64_t round = 0; round < 4; ++round) {
+        GuideSums sums(tree);
+        std::vector<std::thread> running;
+        for (unsigned t = 0; t < threads; ++t)
+            running.emplace_back([&, t] {
+                for (std::uint64_t i = t; i < 40'000; i += threads) {
+                    Random random(round * 100'000 + i);
+                    sums.add(spot_record(random, tree, i));
+                }
+            });
+        for (std::thread& thread : running) thread.join();
+        tree = refined(sums, {.finds = 1000, .nodes = 100'000, .final = round == 3, .cost = 1.2});
+    }
+    return tree;
+}
+
+/// The integral over the sphere: squares of the map that are not within one cell are divided.
+double integral(const GuideTree& tree, const GuideTree::Region& region, double x, double y, double size, int& cells) {
+    const auto direction = [&](double u, double v) {
+        return transport::direction_from_octahedral({static_cast<Real>(x + u * size), static_cast<Real>(y + v * size)});
+    };
+    const std::size_t cell = tree.cell_of(region, direction(0.25, 0.25));
+    if (cell == tree.cell_of(region, direction(0.75, 0.25)) && cell == tree.cell_of(region, direction(0.25, 0.75)) &&
+        cell == tree.cell_of(region, direction(0.75, 0.75))) {
+        ++cells;
+        return double{tree.density(region, direction(0.5, 0.5))} * size * size * sphere_area;
+    }
+    double sum = 0;
+    for (const double u : {0.0, 0.5})
+        for (const double v : {0.0, 0.5}) sum += integral(tree, region, x + u * size, y + v * size, size / 2, cells);
+    return sum;
+}
+
+/// Chi-squared of `count` samples of a region against a density, over 32 x 32 parts of equal solid angle; in standard
+/// deviations from its mean.
+template <class Density>
+double chi_squared(const GuideTree& tree, const GuideTree::Region& region, Random& random, int count,
+                   const Density& density) {
+    constexpr int parts = 32, within = 8;
+    std::vector<double> found(parts * parts), expected(parts * parts);
+    for (int i = 0; i < count; ++i) {
+        const Vec2 at = transport::octahedral_from_direction(tree.sample(region, random.two()));
+        const auto part = [](Real x) { return std::min(static_cast<int>(x * parts), parts - 1); };
+        ++found[static_cast<std::size_t>(part(at.y) * parts + part(at.x))];
+    }
+    for (int y = 0; y < parts * within; ++y)
+        for (int x = 0; x < parts * within; ++x) {
+            const Vec3 direction = transport::direction_from_octahedral(
+                {(static_cast<Real>(x) + 0.5f) / (parts * within), (static_cast<Real>(y) + 0.5f) / (parts * within)});
+            expected[static_cast<std::size_t>(y / within * parts + x / within)] +=
+                density(direction) * count * sphere_area / (parts * parts * within * within);
+        }
+    double sum = 0, rest_found = 0, rest_expected = 0;
+    int degrees = 0;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+        if (expected[i] < 10) {
+            rest_found += found[i];
+            rest_expected += expected[i];
+            continue;
+        }
+        sum += (found[i] - expected[i]) * (found[i] - expected[i]) / expected[i];
+        ++degrees;
+    }
+    if (rest_expected > 10) {
+        sum += (rest_found - rest_expected) * (rest_found - rest_expected) / rest_expected;
+        ++degrees;
+    }
+    return (sum - degrees) / std::sqrt(2.0 * degrees);
+}
+
+transport::SceneEntity guided_path(int samples) {
+    transport::SceneEntity entity = path_with(text_parameter("guide", "on"));
+    entity.parameters.parameters.push_back(number_parameter("guidesamples", samples));
+    return entity;
+}
+
+/// The guide that a render of the scene learns.
+transport::TrainedGuide learned(const std::string& text, int samples, int threads = 2) {
+    const auto scene = transport::BuiltScene::build(scene_of(text));
+    REQUIRE(scene.ok());
+    transport::RenderSettings settings;
+    settings.paths.integrator = guided_path(samples);
+    settings.machine.threads = threads;
+    auto job = transport::ResolvedJob::resolve(**scene, settings);
+    REQUIRE(job.ok());
+    auto prepared = transport::PreparedJob::prepare(*std::move(job));
+    REQUIRE(prepared.ok());
+    REQUIRE(prepared->guide.guide != nullptr);
+    return std::move(prepared->guide);
+}
+
+}  // namespace
+
+TEST_CASE("the density of each region of a guide integrates to 1, and samples have it", "[guide]") {
+    const GuideTree tree = taught(1);
+    REQUIRE(tree.regions().size() > 50);
+    Random random(3);
+    int guided = 0, most_cells = 0;
+    for (const GuideTree::Region& region : tree.regions()) {
+        int cells = 0;
+        // Sums of float shares: 12 levels, each wrong by 2^-23 at most.
+        CHECK(integral(tree, region, 0, 0, 1, cells) == Approx(1).margin(5e-6));
+        most_cells = std::max(most_cells, cells);
+        if (region.share > 0) ++guided;
+    }
+    CHECK(guided > 50);
+    CHECK(most_cells > 30);
+    for (std::size_t i = 0; i < tree.regions().size(); i += 10) {
+        const GuideTree::Region& region = tree.regions()[i];
+        // Beyond 6 standard deviations by chance less than once in 10^5, at the tails of some hundred degrees of
+        // freedom.
+        CHECK(chi_squared(tree, region, random, 20'000,
+                          [&](const Vec3& to) { return double{tree.density(region, to)}; }) < 6);
+    }
+}
+
+TEST_CASE("a wrong density of a guide is found by its samples", "[guide]") {
+    const GuideTree tree = taught(1);
+    Random random(3);
+    for (std::size_t i = 0; i < tree.regions().size(); i += 20) {
+        const GuideTree::Region& region = tree.regions()[i];
+        if (!(region.share > 0)) continue;
+        // A tenth of all samples is taken for uniform.
+        CHECK(chi_squared(tree, region, random, 20'000, [&](const Vec3& to) {
+                  return 0.9 * double{tree.density(region, to)} + 0.1 / sphere_area;
+              }) > 6);
+    }
+}
+
+TEST_CASE("a guide learns where light comes from, and that it pays there", "[guide]") {
+    const GuideTree tree = taught(1);
+    for (const Real x : {0.1f, 0.5f, 0.9f}) {
+        const GuideTree::Region& region = tree.region(tree.place_of({x, 0.4f, 0.6f}, {0, 1, 0}).region);
+        const Vec3 spot{std::cos(3 * x), std::sin(3 * x), 0};
+        CAPTURE(x, region.share, tree.density(region, spot), tree.density(region, -spot));
+        CHECK(region.share >= 0.25f);
+        // The spot is 1 / 500 of the sphere; the ideal density there is 280 times that of the sphere, and half outside.
+        CHECK(tree.density(region, spot) > 50 * transport::uniform_sphere_pdf());
+        CHECK(tree.density(region, -spot) < transport::uniform_sphere_pdf());
+    }
+    // Surfaces that no record was at stay with their closures.
+    CHECK(tree.region(tree.place_of({0.5f, 0.5f, 0.5f}, {1, 0, 0}).region).share == 0);
+}
+
+TEST_CASE("a guide has the same bits for every number of threads that teach it", "[guide][law3]") {
+    const GuideTree one = taught(1);
+    for (const unsigned threads : {2u, 3u, 8u}) {
+        const GuideTree other = taught(threads);
+        REQUIRE(other.regions().size() == one.regions().size());
+        Random random(9);
+        for (std::size_t i = 0; i < one.regions().size(); ++i) {
+            const Vec3 to = transport::sample_uniform_sphere(random.two());
+            CHECK(one.regions()[i].share == other.regions()[i].share);
+            CHECK(one.density(one.regions()[i], to) == other.density(other.regions()[i], to));
+        }
+    }
+}
+
+TEST_CASE("a guide stays below its bound of nodes", "[guide]") {
+    GuideTree tree(unit_box);
+    GuideSums sums(tree);
+    for (std::uint64_t i = 0; i < 20'000; ++i) {
+        Random random(i);
+        sums.add(spot_record(random, tree, i));
+    }
+    CHECK(refined(sums, {.finds = 10, .nodes = 1'000'000}).node_count() > 20'000);
+    CHECK(refined(sums, {.finds = 10, .nodes = 5'000}).node_count() <= 5'000);
+}
+
+TEST_CASE("points outside the box, and no points, are in the regions at its border", "[guide]") {
+    const GuideTree tree = taught(1);
+    const Vec3 up{0, 1, 0};
+    CHECK(tree.place_of({-5, 0.5f, 0.5f}, up).region == tree.place_of({0, 0.5f, 0.5f}, up).region);
+    CHECK(tree.place_of({9, 0.5f, 0.5f}, up).region == tree.place_of({0.999999f, 0.5f, 0.5f}, up).region);
+    const Real nan = std::numeric_limits<Real>::quiet_NaN();
+    CHECK(tree.place_of({nan, 0.5f, 0.5f}, up).region == tree.place_of({0, 0.5f, 0.5f}, up).region);
+}
+
+TEST_CASE("a guide's samples have the density that pdf() returns, at closures of all kinds", "[guide][directions]") {
+    const transport::Guide guide(taught(1));
+    std::vector<transport::Bsdf> closures(4);
+    const raylex::test::Frame frame = raylex::test::tilted_frame();
+    closures[0].set(frame, transport::LambertClosure{transport::Rgb(0.6f)});
+    closures[1].set_phase(0.4f);
+    closures[2].set(frame, transport::DiffuseTransmissionClosure{transport::Rgb(0.3f), transport::Rgb(0.4f)});
+    closures[3].set(frame, transport::ConductorClosure{transport::Ggx::from_alpha(0.2f, 0.3f), transport::Rgb(0.8f),
+                                                       transport::Rgb(0), true});
+    Random random(5);
+    for (transport::Bsdf& bsdf : closures)
+        for (int i = 0; i < 2000; ++i) {
+            transport::SurfacePoint point;
+            point.position = {random.one(), random.one(), random.one()};
+            point.shading_normal = {0, 1, 0};
+            point.wo = frame.to_world(raylex::test::local_direction(0.6f));
+            const auto s = guide.sample(bsdf, point, transport::TransportMode::radiance, random.one(), random.two());
+            if (!(s.pdf > 0)) continue;
+            REQUIRE(s.is_weighed);
+            CHECK(s.pdf == guide.pdf(bsdf, point, transport::TransportMode::radiance, s.wi, bsdf.pdf(point.wo, s.wi)));
+            const auto f = bsdf.evaluate(point.wo, s.wi);
+            // Products and quotients of a few floats.
+            for (int c = 0; c < 3; ++c) CHECK(s.weight[c] * s.pdf == Approx(f.value[c]).epsilon(1e-4).margin(1e-6));
+        }
+}
+
+TEST_CASE("regions that renders learn have densities that integrate to 1", "[guide][gate]") {
+    std::size_t regions = 0;
+    for (const std::string& text : {room, foggy_room(), many_lights()}) {
+        const transport::TrainedGuide trained = learned(text, 256);
+        const GuideTree& tree = trained.guide->tree();
+        regions += tree.regions().size();
+        Random random(1);
+        for (const GuideTree::Region& region : tree.regions()) {
+            int cells = 0;
+            CHECK(integral(tree, region, 0, 0, 1, cells) == Approx(1).margin(5e-6));
+            const Vec3 to = tree.sample(region, random.two());
+            CHECK(tree.density(region, to) > 0);
+        }
+    }
+    CHECK(regions > 300);
+}

@@ -1,0 +1,203 @@
+// Renders whose paths a guide draws: the image stays what it is without the guide.
+#include "tests/transport/interrupted_render.h"
+#include "transport/enclosure.h"
+
+using namespace render_test;
+
+namespace {
+
+transport::SceneEntity with_guide(transport::SceneEntity entity, const std::string& mode, int samples) {
+    entity.parameters.parameters.push_back(text_parameter("guide", mode));
+    if (samples > 0) entity.parameters.parameters.push_back(number_parameter("guidesamples", samples));
+    return entity;
+}
+
+transport::RenderSettings guided_settings(int samples, std::uint64_t per_pixel) {
+    transport::RenderSettings settings;
+    settings.paths.integrator = with_guide(integrator_named("path"), "on", samples);
+    settings.samples.per_pixel = per_pixel;
+    settings.machine.threads = 2;
+    return settings;
+}
+
+std::string frame_bits(const transport::RenderOutput& output) {
+    std::string bytes;
+    output.frame_buffer.append_record(bytes);
+    return bytes;
+}
+
+/// A box with a lamp behind a screen: light comes in by a gap, which no light sample passes.
+const std::string screened_room = film + R"(
+Integrator "path" "integer maxdepth" 6
+LookAt 0 1 3.9  0 1 0  0 1 0
+Camera "perspective" "float fov" 39
+WorldBegin
+Material "diffuse" "rgb reflectance" [0.7 0.7 0.7]
+Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-1 0 1 1 0 1 1 0 -1 -1 0 -1]
+Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-1 2 -1 1 2 -1 1 2 1 -1 2 1]
+Shape "bilinearmesh" "point3 P" [-1 0 -1 1 0 -1 -1 2 -1 1 2 -1]
+Shape "bilinearmesh" "point3 P" [-1 0 4 1 0 4 -1 2 4 1 2 4]
+Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-1 0 1 -1 0 -1 -1 2 -1 -1 2 1]
+Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [1 0 -1 1 0 1 1 2 1 1 2 -1]
+Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-1 1.7 1 0.8 1.7 1 0.8 1.7 -1 -1 1.7 -1]
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [40 40 40]
+  Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-0.6 1.9 -0.3 -0.2 1.9 -0.3 -0.2 1.9 0.3 -0.6 1.9 0.3]
+AttributeEnd
+)";
+
+}  // namespace
+
+TEST_CASE("in an enclosure guided paths find the light of every path string", "[guide][render][gate]") {
+    const double kd = 0.5, ks = 0.3;
+    const auto scene = transport::BuiltScene::build(scene_of(enclosure(kd, ks)));
+    REQUIRE(scene.ok());
+    const std::vector<EnclosurePathString> words = enclosure_path_strings(kd, ks, 8);
+    transport::RenderSettings settings = guided_settings(16, 256);
+    settings.paths.max_depth = 8;
+    // Beauty and the strings up to length 4 one by one, the longer ones by their number of reflections.
+    std::vector<double> values{0};
+    for (const EnclosurePathString& word : words) {
+        values[0] += word.value;
+        if (word.reflections.size() > 4) continue;
+        settings.channels.list.push_back(lpe_channel("w" + word.reflections, "C" + word.reflections + "L"));
+        values.push_back(word.value);
+    }
+    for (std::size_t length = 5; length <= 8; ++length) {
+        std::string expression = "C";
+        for (std::size_t i = 0; i < length; ++i) expression += "[DS]";
+        settings.channels.list.push_back(lpe_channel("l" + std::to_string(length), expression + "L"));
+        values.push_back(std::pow(kd + ks, static_cast<double>(length)));
+    }
+    const Replicates found = replicates(**scene, settings, static_cast<int>(values.size()), 8, 1);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        const Estimate e = found.channel(i);
+        CAPTURE(i, values[i], e.mean, e.error);
+        // Student's t with 7 degrees of freedom: beyond 9 by chance once in 20,000 comparisons. 1e-5: products of a
+        // few floats.
+        CHECK(std::abs(e.mean - values[i]) <= 9 * e.error + 1e-5);
+    }
+}
+
+TEST_CASE("guided paths estimate the image of paths that closures draw", "[guide][render][gate][statistical]") {
+    // Diffuse, glossy, coated and clear glass, lights of all kinds; the same in fog; shading normals, rough glass, a
+    // cutout and the sky; a lamp behind a screen.
+    for (const std::string& text : {room, foggy_room(), many_lights(), screened_room}) {
+        const auto scene = transport::BuiltScene::build(scene_of(text));
+        REQUIRE(scene.ok());
+        transport::RenderSettings settings = guided_settings(32, 64);
+        settings.channels.list = {lpe_channel("direct", "C.L"), lpe_channel("indirect", "C..+L")};
+        const Replicates guided = replicates(**scene, settings, 3, 12, 500);
+        settings.paths.integrator = integrator_named("path");
+        const Replicates plain = replicates(**scene, settings, 3, 12, 100);
+        check_agreement(plain, guided, {"beauty", "direct", "indirect"});
+        CHECK(plain.mean(0) != guided.mean(0));
+    }
+}
+
+TEST_CASE("a guide makes light through a gap less noisy", "[guide][render][gate][statistical]") {
+    const auto scene = transport::BuiltScene::build(scene_of(screened_room));
+    REQUIRE(scene.ok());
+    transport::RenderSettings settings = guided_settings(64, 64);
+    const double guided = replicates(**scene, settings, 1, 12, 500).sum_of_variances();
+    settings.paths.integrator = integrator_named("path");
+    const double plain = replicates(**scene, settings, 1, 12, 100).sum_of_variances();
+    CAPTURE(guided, plain);
+    // The ratio of two such sums of nine blocks and twelve seeds has a standard error of about 15 %.
+    CHECK(guided < 0.6 * plain);
+}
+
+TEST_CASE("a guided image has the same bits for every number of threads", "[guide][render][law3]") {
+    const auto scene = scene_of(foggy_room());
+    transport::RenderSettings settings = guided_settings(8, 16);
+    settings.machine.threads = 1;
+    const auto one = render_of(scene, settings);
+    CHECK(one.statistics.guide.used);
+    CHECK(one.statistics.guide.samples == 8);
+    CHECK(one.statistics.guide.bytes <= std::size_t{64} << 20);
+    for (const int threads : {2, 3, 8}) {
+        settings.machine.threads = threads;
+        CHECK((frame_bits(render_of(scene, settings)) == frame_bits(one)));
+    }
+}
+
+TEST_CASE("a guided render in many sessions has the bits of one that was never interrupted",
+          "[guide][render][checkpoint][law3]") {
+    const auto scene = scene_of(room);
+    transport::RenderSettings settings;
+    settings.paths.integrator = with_guide(counted("path"), "on", 8);
+    settings.samples.per_pixel = 200;
+    const auto whole = render_of(scene, settings);
+    CHECK(whole.statistics.guide.used);
+    const ScratchFile file;
+    settings.checkpoint =
+        transport::CheckpointSettings{.file = file.path(), .seconds = 0.01, .identity = {{"test", "1"}}};
+    for (int sessions = 1;; ++sessions) {
+        std::atomic<bool> stop{false};
+        settings.machine.threads = 1 + sessions % 3;
+        interruption().begin(12'000, &stop);
+        auto output = transport::render(scene, settings, {}, &stop);
+        interruption().begin(0, nullptr);
+        REQUIRE(output.ok());
+        REQUIRE(sessions < 100);
+        if (!output->samples.complete) {
+            settings.checkpoint->resume = true;
+            continue;
+        }
+        CHECK(sessions > 2);
+        CHECK((frame_bits(*output) == frame_bits(whole)));
+        break;
+    }
+}
+
+TEST_CASE("a stop ends the training of a guide", "[guide][render]") {
+    transport::RenderSettings settings = guided_settings(1 << 16, 16);  // 38 million paths
+    std::atomic<bool> stop{true};
+    auto output = transport::render(scene_of(room), settings, {}, &stop);
+    REQUIRE(output.ok());
+    CHECK_FALSE(output->samples.complete);
+    CHECK_FALSE(output->statistics.guide.used);
+}
+
+TEST_CASE("channels change nothing of a guided beauty", "[guide][render][law2]") {
+    const auto scene = scene_of(room);
+    transport::RenderSettings settings = guided_settings(8, 16);
+    const auto alone = render_of(scene, settings);
+    settings.channels.list = {lpe_channel("caustics", "C<RD><TS>+L"), lpe_channel("direct", "CDL"), aov("Nn")};
+    const auto beside = render_of(scene, settings);
+    CHECK(alone.frame_buffer.resolve(alone.beauty) == beside.frame_buffer.resolve(beside.beauty));
+}
+
+TEST_CASE("without beauty a guide learns the light of the requested channels", "[guide][render]") {
+    const auto scene = scene_of(room);
+    transport::RenderSettings settings = guided_settings(16, 64);
+    settings.channels.beauty = false;
+    settings.channels.list = {lpe_channel("caustics", "C<RD><TS>+L")};
+    const auto guided = render_of(scene, settings);
+    CHECK(guided.statistics.guide.used);
+    settings.paths.integrator = integrator_named("path");
+    settings.samples.per_pixel = 256;
+    const auto plain = render_of(scene, settings);
+    CHECK(deviation(estimate(guided, 0), estimate(plain, 0)) < 4.5);
+}
+
+TEST_CASE("auto leaves paths to closures where a guide does not pay", "[guide][render]") {
+    // Radiance is the same from everywhere: nothing is better than the closure.
+    const auto scene = scene_of(enclosure(0.5, 0.3));
+    transport::RenderSettings settings = guided_settings(0, 16);
+    settings.paths.integrator = with_guide(integrator_named("path"), "auto", 64);
+    const auto automatic = render_of(scene, settings);
+    CHECK(automatic.statistics.guide.samples > 0);
+    CHECK_FALSE(automatic.statistics.guide.used);
+    settings.paths.integrator = integrator_named("path");
+    CHECK((frame_bits(render_of(scene, settings)) == frame_bits(automatic)));
+}
+
+TEST_CASE("an unknown mode of guides is refused by name", "[guide][law7]") {
+    transport::RenderSettings settings;
+    settings.paths.integrator = path_with(text_parameter("guide", "maybe"));
+    const auto refused = transport::render(scene_of(room), settings);
+    REQUIRE_FALSE(refused.ok());
+    CHECK(refused.error().to_string().find("maybe") != std::string::npos);
+    CHECK(refused.error().to_string().find("auto") != std::string::npos);
+}

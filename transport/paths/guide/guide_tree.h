@@ -1,0 +1,76 @@
+// A density of directions at every point of a scene: the SD-tree of T. Müller, M. Gross and J. Novák 2017, "Practical
+// Path Guiding for Efficient Light-Transport Simulation".
+//
+// Space is halved again and again, along x, y and z in turn. Each resulting region has a quadtree over the unit square,
+// to which an equal-area map takes the sphere of directions. The density is constant within a cell of the quadtree.
+// Surfaces that face the six directions of the axes, and points in media, have regions of their own: one direction is
+// good for a floor and useless for the wall beside it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "transport/embree/embree_scene.h"
+
+namespace raylex::transport {
+
+class GuideSums;
+
+class GuideTree {
+  public:
+    /// A node of a quadtree.
+    struct Node {
+        std::array<float, 4> mass{};           ///< of the quadrants, row by row, in any unit
+        std::array<std::uint32_t, 4> child{};  ///< the node of each quadrant; 0: the quadrant is a cell
+    };
+    struct Region {
+        std::uint32_t root = 0;  ///< node of its quadtree
+        Real share = 0;          ///< probability of drawing a direction from the quadtree; 0: the closure draws all
+    };
+    /// Where a point is.
+    struct Place {
+        std::uint32_t region = 0;
+        std::uint32_t halvings = 0;  ///< of space, down to the region
+    };
+
+    static constexpr std::uint32_t orientations = 7;  ///< six sides of surfaces, then points in media
+    static constexpr std::uint32_t most_halvings = 48, deepest_node = 12;
+
+    /// One region for each orientation, with uniform densities. `box`: the bounds of all points, of finite size.
+    explicit GuideTree(const Bounds& box);
+
+    /// The region of a point. `normal`: the shading normal, zero in a medium. Points outside the box are in the region
+    /// at its border.
+    [[nodiscard]] Place place_of(const Vec3& position, const Vec3& normal) const;
+    [[nodiscard]] const Region& region(std::uint32_t number) const { return regions_[number]; }
+    /// The widths of a place's region, in the unit of length of the scene.
+    [[nodiscard]] Vec3 extent(const Place& place) const;
+
+    /// Draws a direction from the quadtree of a region; u in [0, 1).
+    [[nodiscard]] Vec3 sample(const Region& region, const Vec2& u) const;
+    /// The density of sample() per steradian, for a unit direction as it is rounded.
+    [[nodiscard]] Real density(const Region& region, const Vec3& direction) const;
+
+    [[nodiscard]] const std::vector<Region>& regions() const { return regions_; }
+    [[nodiscard]] std::size_t node_count() const { return nodes_.size(); }
+    [[nodiscard]] std::size_t bytes() const {
+        return nodes_.size() * sizeof(Node) + regions_.size() * sizeof(Region) + space_.size() * sizeof(Space);
+    }
+    /// Returns the node and the quadrant of the cell that contains a direction, as 4 node + quadrant.
+    [[nodiscard]] std::size_t cell_of(const Region& region, const Vec3& direction) const;
+
+  private:
+    friend class GuideRefinement;
+    /// A node of the binary trees over space. Its halves are at `first` and `first` + 1.
+    struct Space {
+        std::uint32_t first = 0, region = 0;  // first: 0 for a leaf
+    };
+
+    Vec3 lower_, scale_, size_;
+    std::vector<Space> space_;  // the first ones are the roots, one for each orientation
+    std::vector<Region> regions_;
+    std::vector<Node> nodes_;  // every node stands before its children; node 0 is unused
+};
+
+}  // namespace raylex::transport

@@ -1,0 +1,349 @@
+#include "transport/render/pilots/guide_pilot.h"
+
+#include <algorithm>
+#include <bit>
+#include <chrono>
+#include <cmath>
+#include <condition_variable>
+#include <mutex>
+#include <stdexcept>
+#include <thread>
+
+#include "display/services/processor.h"
+#include "display/services/split_mix.h"
+#include "display/services/thread_or_none.h"
+#include "transport/paths/guide/guide_sums.h"
+#include "transport/render/clock.h"
+#include "transport/render/pilots/pilot_paths.h"
+
+namespace raylex::transport {
+namespace {
+
+constexpr int tile_side = 8;
+constexpr std::uint64_t paths_of_training = 1u << 21;
+constexpr std::uint64_t shares_of_render = 8;               // training takes at most this part of the samples
+constexpr std::uint64_t finds_of_region = 300;              // records with light, those of neighbours included
+constexpr std::size_t guide_bytes = std::size_t{64} << 20;  // sums of a round and the tree of the next included
+// Cost of a vertex whose direction the guide may draw, beside that of its ray, relative to a scattering ray
+// (pilot_cost()); measured on glass-fixtures and door-ajar.
+constexpr double guide_vertex_cost = 0.6;
+// A region's share is chosen as if it were less: rays of paths that find no light cost the same again.
+constexpr double guide_share_cost = 1.25;
+constexpr double promising_gain = 1, worthwhile_gain = 1.1;
+constexpr double most_unlikely = 1e4;
+
+/// Sums over the paths through a tile of the image.
+struct GuideTile {
+    display::PixelRegion pixels;
+    std::vector<double> received;  // [channel] in all rounds
+    std::vector<double> weights;   // [channel] of squares: over the square of the mean there
+    std::uint64_t paths = 0;
+    // Of one round, in these weights: squares as drawn, as expected without the guide, and of the pixels' means.
+    double guided = 0, unguided = 0, of_means = 0;
+};
+
+struct GuideWorker {
+    GuideWorker(const IntegratorContext& context, std::vector<display::ChannelId> channels)
+        : paths(context, std::move(channels)) {}
+    PilotPaths paths;
+    std::unique_ptr<IntegratorThread> plain, guided;
+    std::uint64_t departures = 0;  // from vertices where the guide may draw the direction
+    std::vector<double> unguided;  // [vertex] of a path: density of the closure over that of the draw, inverted
+    std::vector<double> sums, squares;
+};
+
+class GuidePilot {
+  public:
+    GuidePilot(const IntegratorContext& context, const GuideTraining& training);
+    TrainedGuide run();
+
+  private:
+    [[nodiscard]] std::unique_ptr<Integrator> make_integrator(const DirectionSampler* directions);
+    [[nodiscard]] std::uint32_t rounds() const;
+    /// False: the render has to end.
+    bool follow(std::uint32_t round);
+    void follow_tile(GuideTile& tile, GuideWorker& worker);
+    void learn(GuideTile& tile, GuideWorker& worker, std::uint64_t row, const LaterRadiance::Path& path);
+    void weigh();
+    [[nodiscard]] double cost(bool guided) const;
+    [[nodiscard]] double gain() const;
+    void refine(bool final);
+    void summarize(TrainedGuide& trained) const;
+
+    IntegratorContext context_;  // without AOVs
+    const GuideTraining& training_;
+    geoaovs::GeometricAovs no_aovs_{std::span<const display::ChannelDefinition>()};
+    std::unique_ptr<Guide> guide_;
+    std::unique_ptr<GuideSums> sums_;
+    std::unique_ptr<Integrator> plain_, guided_;
+    std::vector<std::unique_ptr<GuideWorker>> workers_;
+    std::vector<GuideTile> tiles_;
+    std::atomic<bool> leave_{false};
+    std::uint32_t round_ = 0, first_ = 0, count_ = 0;  // samples [first, first + count) of each pixel
+};
+
+GuidePilot::GuidePilot(const IntegratorContext& context, const GuideTraining& training)
+    : context_(context), training_(training) {
+    context_.first_hits.aovs = &no_aovs_;
+    context_.first_hits.pattern_channels = false;
+    context_.scene.general_code = {};  // the cost of effects that are forced on changes no choice
+    guide_ = std::make_unique<Guide>(GuideTree(context.scene.geometry->lit_bounds()));
+    plain_ = make_integrator(nullptr);
+    guided_ = make_integrator(guide_.get());
+    const std::size_t channels = training.channels.size();
+    for (int y = 0; y < context.view.height; y += tile_side)
+        for (int x = 0; x < context.view.width; x += tile_side) {
+            GuideTile& tile = tiles_.emplace_back();
+            tile.pixels = {x, y, std::min(x + tile_side, context.view.width),
+                           std::min(y + tile_side, context.view.height)};
+            tile.received.resize(channels);
+            tile.weights.assign(channels, 1);
+        }
+    for (int i = 0; i < std::max(1, training.threads); ++i) {
+        GuideWorker& worker = *workers_.emplace_back(std::make_unique<GuideWorker>(
+            context_, std::vector<display::ChannelId>(training.channels.begin(), training.channels.end())));
+        worker.paths.leave_when(leave_);
+        worker.plain = plain_->make_thread_state();
+        worker.guided = guided_->make_thread_state();
+    }
+}
+
+std::unique_ptr<Integrator> GuidePilot::make_integrator(const DirectionSampler* directions) {
+    auto integrator = training_.request.make_trial();
+    IntegratorContext context = context_;
+    context.directions = directions;
+    if (const Status status = integrator->prepare(context); !status) throw std::runtime_error(status.error().message);
+    return integrator;
+}
+
+/// Rounds after round 0; all rounds together take 2^rounds samples of each pixel.
+std::uint32_t GuidePilot::rounds() const {
+    const auto log2_below = [](std::uint64_t n) { return static_cast<std::uint32_t>(std::bit_width(n) - 1); };
+    if (training_.request.samples > 0) return std::max(1u, log2_below(training_.request.samples));
+    const std::uint64_t pixels =
+        static_cast<std::uint64_t>(context_.view.width) * static_cast<std::uint64_t>(context_.view.height);
+    std::uint64_t samples = std::max<std::uint64_t>(2, (paths_of_training + pixels / 2) / pixels);
+    if (training_.samples_per_pixel > 0)
+        samples = std::min(samples, std::max<std::uint64_t>(1, training_.samples_per_pixel / shares_of_render));
+    if (samples < 4 && training_.request.mode == GuideMode::automatic) return 0;  // too few to find out what pays
+    return std::max(1u, log2_below(samples));
+}
+
+/// The weight of a tile is 1 over the square of its mean, but dark tiles do not count more than those of half the
+/// image's mean.
+void GuidePilot::weigh() {
+    for (std::size_t c = 0; c < training_.channels.size(); ++c) {
+        double sum = 0, paths = 0;
+        for (const GuideTile& tile : tiles_) sum += tile.received[c], paths += static_cast<double>(tile.paths);
+        const double mean = sum / paths;
+        for (GuideTile& tile : tiles_) {
+            const double here = tile.received[c] / static_cast<double>(tile.paths);
+            const double square = here * here + mean * mean / 4;
+            tile.weights[c] = square > 0 ? 1 / square : 0;
+        }
+    }
+}
+
+/// What a path teaches at each of its vertices.
+void GuidePilot::learn(GuideTile& tile, GuideWorker& worker, std::uint64_t row, const LaterRadiance::Path& path) {
+    double drawn = 0;
+    for (std::size_t c = 0; c < path.channels; ++c) {
+        tile.received[c] += path.received[c];
+        drawn += tile.weights[c] * path.received[c] * path.received[c];
+    }
+    ++tile.paths;
+    if (round_ == 0) return;
+    // Without the guide, light found behind vertex i would arrive with the factor R_i, the product of draw over closure
+    // up to there, and as often as 1 / R_i. So pairs of finds count with the R of what they have in common.
+    double unguided = drawn;
+    worker.unguided.assign(path.vertices.size(), 1);
+    for (std::size_t i = 0; i < path.vertices.size(); ++i) {
+        const PassedVertex& v = path.vertices[i];
+        double before = 1;
+        for (std::size_t k = i; k-- > 0;)
+            if (path.vertices[k].depth < v.depth) {
+                before = worker.unguided[k];
+                break;
+            }
+        worker.unguided[i] = before;
+        if (!v.guidable) continue;
+        ++worker.departures;
+        GuideRecord record{
+            .position = v.position, .normal = v.normal, .direction = v.direction, .specular = v.specular};
+        for (std::size_t c = 0; c < path.channels; ++c)
+            record.square += tile.weights[c] * path.behind(i, c) * path.behind(i, c);
+        record.density = double{v.pdf};
+        record.chance = double{v.chance};
+        for (std::size_t k = i; k + 1 < path.vertices.size(); ++k) {
+            const PassedVertex& next = path.vertices[k + 1];
+            if (next.depth != path.vertices[k].depth + 1) break;
+            record.distance += length(next.position - path.vertices[k].position);
+            if (!next.specular) break;
+        }
+        record.key = (row << 8 | round_) * golden_gamma + i;
+        const double by_closure = sums_->add(record);
+        worker.unguided[i] = std::min(before / std::max(by_closure, 1e-6), most_unlikely);
+        unguided += (worker.unguided[i] - before) * record.square;
+    }
+    tile.guided += drawn;
+    tile.unguided += unguided;
+}
+
+void GuidePilot::follow_tile(GuideTile& tile, GuideWorker& worker) {
+    const std::size_t channels = training_.channels.size();
+    tile.guided = tile.unguided = tile.of_means = 0;
+    const std::uint64_t seed = mix_bits(~context_.services.seed);  // the guide must not depend on the image's numbers
+    worker.paths.begin_pixels(tile.pixels, seed, first_, count_);
+    worker.sums.assign(channels, 0);
+    worker.squares.assign(channels, 0);
+    const auto width = static_cast<std::size_t>(tile.pixels.width());
+    worker.paths.follow(round_ == 0 ? *plain_ : *guided_, round_ == 0 ? *worker.plain : *worker.guided,
+                        [&](std::size_t row, const LaterRadiance::Path& path) {
+                            const std::size_t pixel = row / count_, sample = row % count_;
+                            const auto x = static_cast<std::uint64_t>(tile.pixels.x0) + pixel % width,
+                                       y = static_cast<std::uint64_t>(tile.pixels.y0) + pixel / width;
+                            learn(tile, worker, ((y << 20 | x) << 20) + first_ + sample, path);
+                            for (std::size_t c = 0; c < channels; ++c) {
+                                worker.sums[c] += path.received[c];
+                                worker.squares[c] += path.received[c] * path.received[c];
+                                if (sample + 1 < count_) continue;
+                                // The square of the pixel's mean, from products of different samples alone.
+                                if (count_ > 1)
+                                    tile.of_means += tile.weights[c] *
+                                                     (worker.sums[c] * worker.sums[c] - worker.squares[c]) /
+                                                     (count_ - 1.0);
+                                worker.sums[c] = worker.squares[c] = 0;
+                            }
+                        });
+}
+
+bool GuidePilot::follow(std::uint32_t round) {
+    round_ = round;
+    first_ = round == 0 ? 0 : 1u << (round - 1);
+    count_ = round == 0 ? 1 : first_;
+    if (round > 0) sums_ = std::make_unique<GuideSums>(guide_->tree());
+    std::atomic<std::size_t> next{0};
+    std::mutex mutex;
+    std::condition_variable done;
+    std::size_t running = 0;
+    std::string failure;
+    const auto work = [&](GuideWorker& worker) {
+        display::flush_denormals();
+        try {
+            while (!leave_.load(std::memory_order_relaxed)) {
+                const std::size_t tile = next.fetch_add(1);
+                if (tile >= tiles_.size()) break;
+                follow_tile(tiles_[tile], worker);
+            }
+        } catch (const std::exception& e) {
+            const std::lock_guard lock(mutex);
+            failure = e.what();
+        }
+    };
+    std::vector<std::thread> threads;
+    std::unique_lock lock(mutex);
+    for (auto& worker : workers_) {
+        std::thread thread = display::thread_or_none([&, w = worker.get()] {
+            work(*w);
+            const std::lock_guard counted(mutex);
+            --running;
+            done.notify_one();
+        });
+        if (!thread.joinable()) break;
+        threads.push_back(std::move(thread));
+        ++running;
+    }
+    while (!done.wait_for(lock, std::chrono::milliseconds(100), [&] { return running == 0; }))
+        if (training_.stopped && training_.stopped()) leave_.store(true);
+    lock.unlock();
+    if (threads.empty()) work(*workers_.front());
+    for (std::thread& thread : threads) thread.join();
+    if (!failure.empty()) throw std::runtime_error(failure);
+    return !leave_.load();
+}
+
+/// Mean cost of a path in the unit of pilot_cost().
+double GuidePilot::cost(bool guided) const {
+    double cost = 0, paths = 0;
+    for (const auto& worker : workers_) {
+        const IntegratorCounters& counters = guided ? worker->guided->counters : worker->plain->counters;
+        cost += pilot_cost(counters);
+        if (guided) cost += guide_vertex_cost * static_cast<double>(worker->departures);
+        paths += static_cast<double>(counters.camera_rays);
+    }
+    return paths > 0 ? cost / paths : 1;
+}
+
+/// Of the last round: variance x cost without the guide, over the same with it.
+double GuidePilot::gain() const {
+    double guided = 0, unguided = 0;
+    for (const GuideTile& tile : tiles_) {
+        guided += tile.guided - tile.of_means;
+        unguided += tile.unguided - tile.of_means;
+    }
+    return guided > 0 && unguided > 0 ? unguided * cost(false) / (guided * cost(true)) : 1;
+}
+
+void GuidePilot::refine(bool final) {
+    constexpr std::size_t bytes_of_node = 2 * sizeof(GuideTree::Node) + 4 * sizeof(std::uint64_t);
+    GuideLimits limits;
+    limits.finds = finds_of_region;
+    limits.nodes = guide_bytes / bytes_of_node;
+    limits.final = final;
+    limits.cost = guide_share_cost;
+    GuideTree tree = refined(*sums_, limits);
+    sums_.reset();
+    guide_->set_tree(std::move(tree));
+}
+
+void GuidePilot::summarize(TrainedGuide& trained) const {
+    GuideSummary& summary = trained.summary;
+    const std::vector<GuideTree::Region>& regions = guide_->tree().regions();
+    summary.samples = first_ + count_;
+    summary.regions = regions.size();
+    summary.bytes = guide_->tree().bytes();
+    const auto guided =
+        std::count_if(regions.begin(), regions.end(), [](const GuideTree::Region& each) { return each.share > 0; });
+    summary.guided = static_cast<double>(guided) / static_cast<double>(regions.size());
+    for (const auto& worker : workers_)
+        for (const IntegratorThread* thread : {worker->plain.get(), worker->guided.get()}) {
+            trained.rays += pilot_rays(thread->counters);
+            summary.paths += thread->counters.camera_rays;
+        }
+}
+
+TrainedGuide GuidePilot::run() {
+    TrainedGuide trained;
+    const Stopwatch watch;
+    const std::uint32_t last = rounds();
+    if (last == 0) return trained;
+    const bool automatic = training_.request.mode == GuideMode::automatic;
+    bool whole = follow(0), pays = true;
+    for (std::uint32_t round = 1; whole && pays && round <= last; ++round) {
+        weigh();
+        whole = follow(round);
+        if (!whole) break;
+        trained.summary.gain = gain();
+        // A first verdict after a quarter of the training.
+        if (automatic && round + 2 == last) pays = trained.summary.gain > promising_gain;
+        if (automatic && round == last) pays = trained.summary.gain > worthwhile_gain;
+        refine(round == last);
+    }
+    summarize(trained);
+    trained.summary.used = whole && pays;
+    if (trained.summary.used) trained.guide = std::move(guide_);
+    trained.summary.seconds = watch.wall();
+    trained.summary.cpu_seconds = watch.process_cpu();
+    return trained;
+}
+
+}  // namespace
+
+TrainedGuide train_guide(const IntegratorContext& context, const GuideTraining& training) {
+    if (training.request.mode == GuideMode::off || !training.request.make_trial || training.channels.empty() ||
+        !context.takes_scattered_light())
+        return {};
+    return GuidePilot(context, training).run();
+}
+
+}  // namespace raylex::transport
