@@ -13,7 +13,7 @@ constexpr Real training_share = Real(0.25);  // at least
 constexpr double finds_of_cell = 6;
 constexpr double prior_finds = 0.5;  // records that each quadrant of a node has before the first
 // A record of light is shared with places around its vertex, up to this part of the distance to the light.
-constexpr int neighbours = 16;
+constexpr int neighbours = 8;
 constexpr Real reach = Real(0.5);
 constexpr float least_cell = 0.01f;  // share of a quadtree's mass below which a quadrant is not divided (Müller 2017)
 // Fewer records than this decide nothing by themselves: the mean over all regions counts as so many.

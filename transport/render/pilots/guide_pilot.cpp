@@ -27,8 +27,8 @@ constexpr std::size_t guide_bytes = std::size_t{64} << 20;  // sums of a round a
 // Cost of a vertex whose direction the guide may draw, beside that of its ray, relative to a scattering ray
 // (pilot_cost()); measured on glass-fixtures and door-ajar.
 constexpr double guide_vertex_cost = 0.6;
-// A region's share is chosen as if it were less: rays of paths that find no light cost the same again.
-constexpr double guide_share_cost = 1.25;
+// A region's share is chosen as if it were less: most of the cost is spent whether regions use the guide or not.
+constexpr double guide_share_cost = 1.02;
 constexpr double promising_gain = 1, worthwhile_gain = 1.1;
 constexpr double most_unlikely = 1e4;
 
