@@ -209,16 +209,21 @@ void GuideRefinement::divide(std::uint32_t region, std::uint64_t finds, std::uin
 std::uint32_t GuideRefinement::grow(std::uint32_t from, const Masses& masses, std::uint32_t depth, float least,
                                     bool learned) {
     const auto number = static_cast<std::uint32_t>(tree_->nodes_.size());
-    tree_->nodes_.push_back({masses, {}});
+    Masses shares = masses;
     if (learned)
-        for (float& each : tree_->nodes_.back().mass) each += prior_;
+        for (float& each : shares) each += prior_;
+    const float scale = 4 / total(shares);
+    for (float& each : shares) each *= scale;
+    tree_->nodes_.push_back({shares, {}});
     if (tree_->nodes_.size() > limits_.nodes) return number;  // the tree will be dropped
     for (std::size_t q = 0; q < 4; ++q) {
         if (!(masses[q] > least) || depth + 1 >= GuideTree::deepest_node) continue;
         const std::uint32_t child = from == 0 ? 0 : old_.nodes_[from].child[q];
         const float quarter = masses[q] / 4;
-        const Masses below = child == 0 ? Masses{quarter, quarter, quarter, quarter}
-                                        : (learned ? masses_[child] : old_.nodes_[child].mass);
+        Masses below{quarter, quarter, quarter, quarter};
+        if (child != 0 && learned) below = masses_[child];
+        else if (child != 0)
+            for (std::size_t k = 0; k < 4; ++k) below[k] = quarter * old_.nodes_[child].mass[k];
         const std::uint32_t grown = grow(child, below, depth + 1, least, learned);
         tree_->nodes_[number].child[q] = grown;
     }

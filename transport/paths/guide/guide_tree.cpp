@@ -33,9 +33,8 @@ Vec2 square_of(const Vec3& direction) {
     return {std::clamp(at.x, Real(0), below_one), std::clamp(at.y, Real(0), below_one)};
 }
 
-/// Draws one of two parts by u, which becomes the number within the part.
-std::uint32_t choose_half(Real first, Real second, Real& u) {
-    const Real p = first / (first + second);
+/// Draws one of two parts, the first with probability p, by u, which becomes the number within the part.
+std::uint32_t choose_half(Real p, Real& u) {
     if (u < p) {
         u = std::min(u / p, below_one);
         return 0;
@@ -82,8 +81,8 @@ Vec3 GuideTree::sample(const Region& region, const Vec2& u) const {
     Vec2 corner{0, 0};
     for (std::uint32_t number = region.root;;) {
         const Node& node = nodes_[number];
-        const std::uint32_t column = choose_half(node.mass[0] + node.mass[2], node.mass[1] + node.mass[3], x);
-        const std::uint32_t row = choose_half(node.mass[column], node.mass[column + 2], y);
+        const std::uint32_t column = choose_half((node.mass[0] + node.mass[2]) * Real(0.25), x);
+        const std::uint32_t row = choose_half(node.mass[column] / (node.mass[column] + node.mass[column + 2]), y);
         size *= Real(0.5);
         corner.x += static_cast<Real>(column) * size;
         corner.y += static_cast<Real>(row) * size;
@@ -99,9 +98,7 @@ Real GuideTree::density(const Region& region, const Vec3& direction) const {
     for (std::uint32_t number = region.root; number != 0;) {
         const Node& node = nodes_[number];
         const std::uint32_t column = take_half(at.x), row = take_half(at.y);
-        const Real column_mass = node.mass[column] + node.mass[column + 2];
-        const Real other_mass = node.mass[1 - column] + node.mass[3 - column];
-        density *= 4 * (node.mass[2 * row + column] / (column_mass + other_mass));
+        density *= node.mass[2 * row + column];
         if (!(density > 0)) return 0;
         number = node.child[2 * row + column];
     }

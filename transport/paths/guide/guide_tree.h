@@ -21,7 +21,7 @@ class GuideTree {
   public:
     /// A node of a quadtree.
     struct Node {
-        std::array<float, 4> mass{};           ///< of the quadrants, row by row, in any unit
+        std::array<float, 4> mass{};           ///< 4 x the shares of the quadrants, row by row
         std::array<std::uint32_t, 4> child{};  ///< the node of each quadrant; 0: the quadrant is a cell
     };
     struct Region {

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <functional>
 #include <memory>
+#include <span>
 
 #include "transport/integrators/integrator.h"
 #include "transport/paths/guide/guide.h"
