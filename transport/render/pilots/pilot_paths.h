@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "display/buffer/pixel_image.h"
 #include "transport/integrators/integrator.h"
 
 namespace raylex::transport {
