@@ -12,8 +12,7 @@ constexpr Real training_share = Real(0.25);  // at least
 // A cell gets at least this share of its region's records, or quadtrees would repeat the noise of few records.
 constexpr double finds_of_cell = 6;
 constexpr double prior_finds = 0.5;  // records that each quadrant of a node has before the first
-// A record of light is shared with places around its vertex, up to this part of the distance to the light.
-constexpr int neighbours = 8;
+// Places with which a record of light is shared are up to this part of the distance to the light away.
 constexpr Real reach = Real(0.5);
 constexpr float least_cell = 0.01f;  // share of a quadtree's mass below which a quadrant is not divided (Müller 2017)
 // Fewer records than this decide nothing by themselves: the mean over all regions counts as so many.
@@ -47,8 +46,8 @@ Vec3 shifted(const Vec3& position, const Vec3& extent, std::uint64_t key) {
 
 }  // namespace
 
-GuideSums::GuideSums(const GuideTree& tree)
-    : tree_(tree), regions_(tree.regions().size()), cells_(4 * tree.node_count()) {}
+GuideSums::GuideSums(const GuideTree& tree, int neighbours)
+    : tree_(tree), neighbours_(neighbours), regions_(tree.regions().size()), cells_(4 * tree.node_count()) {}
 
 double GuideSums::add(const GuideRecord& r) {
     const GuideTree::Place place = tree_.place_of(r.position, r.normal);
@@ -92,7 +91,7 @@ void GuideSums::share_with_neighbours(const GuideRecord& r) {
     const Vec3 target = r.position + r.direction * r.distance;
     const Real width = 2 * reach * r.distance;
     std::uint64_t key = r.key;
-    for (int i = 0; i < neighbours; ++i) {
+    for (int i = 0; i < neighbours_; ++i) {
         key += golden_gamma;
         Vec3 at = shifted(r.position, {width, width, width}, mix_bits(key));
         at = at - r.normal * dot(r.normal, at - r.position);

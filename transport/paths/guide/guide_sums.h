@@ -45,7 +45,9 @@ class GuideSums {
     };
 
     /// Sums for one round of training with `tree`, which must outlive the object.
-    explicit GuideSums(const GuideTree& tree);
+    /// Each record of light is shared with so many `neighbours`.
+    explicit GuideSums(const GuideTree& tree, int neighbours = most_neighbours);
+    static constexpr int most_neighbours = 8;
 
     /// Adds a record. Returns the density with which the closure alone would have drawn the direction, relative to the
     /// density with which it was drawn; 1 where the region has no guide. Called by many threads at once.
@@ -63,6 +65,7 @@ class GuideSums {
     void share_with_neighbours(const GuideRecord& record);
 
     const GuideTree& tree_;
+    const int neighbours_;
     std::vector<Region> regions_;
     std::vector<std::atomic<std::uint64_t>> cells_;
 };

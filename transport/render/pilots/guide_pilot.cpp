@@ -1,6 +1,7 @@
 #include "transport/render/pilots/guide_pilot.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <chrono>
 #include <cmath>
@@ -29,7 +30,8 @@ constexpr std::size_t guide_bytes = std::size_t{64} << 20;  // sums of a round a
 constexpr double guide_vertex_cost = 0.6;
 // A region's share is chosen as if it were less: most of the cost is spent whether regions use the guide or not.
 constexpr double guide_share_cost = 1.02;
-constexpr double promising_gain = 1, worthwhile_gain = 1.1;
+// Least gains with which `auto` goes on, by the number of rounds that are left: a guide becomes better with each.
+constexpr std::array<double, 4> worthwhile_gains{1.1, 1.05, 1.0, 0.9};
 constexpr double most_unlikely = 1e4;
 
 /// Sums over the paths through a tile of the image.
@@ -79,6 +81,7 @@ class GuidePilot {
     std::vector<std::unique_ptr<GuideWorker>> workers_;
     std::vector<GuideTile> tiles_;
     std::atomic<bool> leave_{false};
+    double finds_of_path_ = 1e-3;                      // records with light for each path of the last round
     std::uint32_t round_ = 0, first_ = 0, count_ = 0;  // samples [first, first + count) of each pixel
 };
 
@@ -221,7 +224,9 @@ bool GuidePilot::follow(std::uint32_t round) {
     round_ = round;
     first_ = round == 0 ? 0 : 1u << (round - 1);
     count_ = round == 0 ? 1 : first_;
-    if (round > 0) sums_ = std::make_unique<GuideSums>(guide_->tree());
+    // Neighbours help where light is found rarely.
+    const int neighbours = static_cast<int>(std::min<double>(GuideSums::most_neighbours, 1 / finds_of_path_));
+    if (round > 0) sums_ = std::make_unique<GuideSums>(guide_->tree(), neighbours);
     std::atomic<std::size_t> next{0};
     std::mutex mutex;
     std::condition_variable done;
@@ -291,6 +296,10 @@ void GuidePilot::refine(bool final) {
     limits.nodes = guide_bytes / bytes_of_node;
     limits.final = final;
     limits.cost = guide_share_cost;
+    double finds = 0, paths = 0;
+    for (const GuideSums::Region& region : sums_->regions()) finds += static_cast<double>(region.guided.load());
+    for (const GuideTile& tile : tiles_) paths += double(count_) * tile.pixels.width() * tile.pixels.height();
+    if (finds > 0) finds_of_path_ = finds / paths;
     GuideTree tree = refined(*sums_, limits);
     sums_.reset();
     guide_->set_tree(std::move(tree));
@@ -324,9 +333,8 @@ TrainedGuide GuidePilot::run() {
         whole = follow(round);
         if (!whole) break;
         trained.summary.gain = gain();
-        // A first verdict after a quarter of the training.
-        if (automatic && round + 2 == last) pays = trained.summary.gain > promising_gain;
-        if (automatic && round == last) pays = trained.summary.gain > worthwhile_gain;
+        if (automatic && last - round < worthwhile_gains.size())
+            pays = trained.summary.gain > worthwhile_gains[last - round];
         refine(round == last);
     }
     summarize(trained);
