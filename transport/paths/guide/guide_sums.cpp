@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "display/services/elementary.h"
 #include "display/services/split_mix.h"
 
 namespace raylex::transport {
@@ -65,7 +66,7 @@ double GuideSums::add(const GuideRecord& r) {
             add_to(sums.light, quantised(light));
             for (std::size_t k = 0; k < shares.size(); ++k) {
                 const double then = double{shares[k]} * by_guide + (1 - double{shares[k]}) * by_closure;
-                const double nearer = std::log(std::max(then / r.chance, least_ratio));
+                const double nearer = elementary::log(std::max(then / r.chance, least_ratio));
                 const std::uint64_t amount = quantised(light * std::abs(nearer));
                 add_to(sums.nearer[k], nearer < 0 ? 0 - amount : amount);
             }
@@ -238,7 +239,7 @@ Real GuideRefinement::share_of(std::uint32_t region) const {
     Real best = 0;
     for (std::size_t k = 0; k < GuideSums::shares.size(); ++k) {
         double nearness = signed_value_of(sums.nearer[k]) + prior * common_[k];
-        if (k > 0) nearness -= (light + prior) * std::log(limits_.cost);
+        if (k > 0) nearness -= (light + prior) * elementary::log(limits_.cost);
         if (k > 0 && !(nearness > most)) continue;
         most = nearness;
         best = GuideSums::shares[k];
