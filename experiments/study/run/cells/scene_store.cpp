@@ -40,7 +40,7 @@ Result<JobOutput> rendered_by(const Job& job, const PassPlan& passes, const Stud
                               const std::atomic<bool>* stop) {
     try {
         if (!passes.passes.empty()) return render_job(job, passes, made.loaded->scene, *made.built, progress, stop);
-        // The directory of the cell identifies the scene: its checkpoint has no hash of the scene.
+        // The identity of the checkpoint has the hash of the scene; render_job() would add another.
         auto image = transport::render(*made.built, job.settings, progress, stop);
         if (!image) return image.error();
         return JobOutput{*std::move(image)};
