@@ -104,11 +104,12 @@ class Proposer {
         // bdpt is the first: errors are relative to its light, because it samples all that any of the three samples.
         for (const char* type : {"bdpt", "path", "lighttracer"})
             if (Status added = add_method(type, words->words); !added) return added;
-        for (std::size_t i = 0; i < methods_.size(); ++i)
-            if (methods_[i].is_complete && (single_ == none || product_of(methods_[i].pilot) < product_of(single())))
-                single_ = i;
-        if (single_ == none) return error_at({}, "no method samples all paths of this scene", notes_);
+        if (methods_.empty())
+            return error_at({job.scene_file, 0, 0},
+                            "no pilot has light; expected an image that is not black, or more --pilot-samples", notes_);
         offer_classes();
+        choose_single();
+        if (single_ == none) return error_at({}, "no method samples all paths of this scene", notes_);
         return success();
     }
 
@@ -188,6 +189,7 @@ class Proposer {
 
   private:
     static constexpr std::size_t none = static_cast<std::size_t>(-1);
+    static constexpr double most_samples = 2147483647;  // of a pixel, in a job
 
     [[nodiscard]] const PilotPass& single() const { return methods_[single_].pilot; }
 
@@ -225,30 +227,31 @@ class Proposer {
         return expressions;
     }
 
-    /// Returns whether the pilot of a method did not see the noise of a class: few pixels have most of it, or there is
-    /// less light than by another method.
-    [[nodiscard]] bool is_unseen(const PilotMethod& method, std::size_t of_class) const {
+    /// Returns whether the pilot of a method has less light of a class than that of another method.
+    [[nodiscard]] bool lacks_light(const PilotMethod& method, std::size_t of_class) const {
         const PilotNoise& noise = method.pilot.of_class[of_class];
-        if (noise.worst_share > most_worst_share) return true;
         return std::any_of(methods_.begin(), methods_.end(), [&](const PilotMethod& other) {
             const PilotNoise& more = other.pilot.of_class[of_class];
-            return other.noise[of_class] < infinite && more.worst_share <= most_worst_share &&
-                   noise.light < 0.9 * more.light &&
+            return noise.light < 0.9 * more.light &&
                    more.light - noise.light > 4 * std::hypot(noise.light_error, more.light_error);
         });
     }
 
-    /// Withdraws classes from methods whose noise the pilots did not see. If no method shows the noise of a class,
-    /// those with the least part of it in few pixels keep the class.
+    /// Withdraws classes from methods whose noise the pilots did not see: the method lacks light, or few pixels have
+    /// most of the noise. If no method shows the noise of a class, those that lack no light and have the least part of
+    /// the noise in few pixels keep the class.
     void offer_classes() {
         for (std::size_t i = 0; i < classes_.size(); ++i) {
-            std::vector<PilotMethod*> able, blind;
-            for (PilotMethod& each : methods_)
-                if (each.noise[i] < infinite) able.push_back(&each);
-            for (PilotMethod* each : able)
-                if (is_unseen(*each, i)) blind.push_back(each);
+            std::vector<PilotMethod*> able, blind, lacking;
             unseen_.emplace_back();
-            for (const PilotMethod* each : blind) unseen_.back().push_back(each->entity.type);
+            for (PilotMethod& each : methods_) {
+                if (each.noise[i] == infinite) continue;
+                const bool lacks = lacks_light(each, i);
+                (lacks ? lacking : able).push_back(&each);
+                if (!lacks && each.pilot.of_class[i].worst_share > most_worst_share) blind.push_back(&each);
+                if (lacks || (!blind.empty() && blind.back() == &each)) unseen_.back().push_back(each.entity.type);
+            }
+            for (PilotMethod* each : lacking) each->noise[i] = infinite;
             double robust = infinite;  // the least part, plus what equal methods may differ by
             if (blind.size() == able.size())
                 for (const PilotMethod* each : able)
@@ -256,6 +259,16 @@ class Proposer {
             for (PilotMethod* each : blind)
                 if (robust == infinite || each->pilot.of_class[i].worst_share > robust) each->noise[i] = infinite;
         }
+    }
+
+    /// Chooses the best of the methods that sample all paths: one that shows the noise of as many classes as possible.
+    void choose_single() {
+        const auto worse = [&](const PilotMethod& method) {
+            return std::pair(std::count(method.noise.begin(), method.noise.end(), infinite), product_of(method.pilot));
+        };
+        for (std::size_t i = 0; i < methods_.size(); ++i)
+            if (methods_[i].is_complete && (single_ == none || worse(methods_[i]) < worse(methods_[single_])))
+                single_ = i;
     }
 
     /// Returns the product of squared error and CPU time with the best numbers of samples: (sum of sqrt(noise x
@@ -328,7 +341,7 @@ class Proposer {
         }
         for (const PilotPass* each : passes) {
             const double best = roots > 0 ? time_ / roots * std::sqrt(each->whole.squared / each->cpu_seconds) : 1;
-            result.samples.push_back(std::max(1.0, std::round(best)));
+            result.samples.push_back(std::clamp(std::round(best), 1.0, most_samples));
             result.time += result.samples.back() * each->cpu_seconds;
         }
         result.error = pilot_.noise_of(passes, result.samples);

@@ -10,6 +10,7 @@
 #include "experiments/cli/option_group.h"
 #include "experiments/cli/plugin_options.h"
 #include "experiments/job/job_file.h"
+#include "experiments/job/passes/pass_plan.h"
 #include "experiments/job/rendering/job_scene.h"
 #include "experiments/program/console.h"
 #include "experiments/program/exit_codes.h"
@@ -30,6 +31,27 @@ struct PassesOptions {
     std::optional<std::uint64_t> samples;
     PilotSettings pilot;
 };
+
+/// Refuses an output that is an input or that `raylex render` does not read as a job, and jobs that passes do not
+/// support.
+Status check_proposal(const Job& job, const PassesOptions& options) {
+    Job trial = job;
+    trial.passes.resize(1);
+    trial.passes.front().method.type = "path";
+    trial.passes.front().location = {job.job_file, 0, 0};
+    if (Status possible = begin_passes(trial); !possible) return possible;
+    if (is_standard_output(options.output)) return success();
+    if (fs::path(options.output).extension() != ".toml")
+        return error_at({options.output, 0, 0}, "a job is written; expected a name that ends in .toml");
+    std::error_code failed;
+    for (const std::string& input : {options.input, job.scene_file})
+        if (fs::equivalent(options.output, input, failed))
+            return error_at({options.output, 0, 0}, "is an input and would be overwritten; expected another file");
+    const fs::path folder = fs::absolute(options.output).parent_path();
+    if (!fs::is_directory(folder, failed))
+        return error_at({folder.string(), 0, 0}, "is no folder; expected one for the job");
+    return success();
+}
 
 /// Returns the beginning of the proposed job: the job of the input, or a [scene] table.
 Result<std::string> job_text(const Job& job, const std::string& output) {
@@ -52,6 +74,7 @@ int propose(const PassesOptions& options) {
     if (Status loaded = load_plugins(options.plugins); !loaded) return report_error(loaded.error());
     auto job = read_scene_or_job(options.input);
     if (!job) return report_error(job.error());
+    if (Status possible = check_proposal(*job, options); !possible) return report_error(possible.error());
     const auto begin = job_text(*job, options.output);
     if (!begin) return report_error(begin.error());
     if (options.samples) job->settings.samples.per_pixel = options.samples;

@@ -369,6 +369,7 @@ Status begin_passes(Job& job) {
         {settings.buckets.has_value(), "buckets (--memory, --bucket-rows)"},
         {settings.stop.adaptive && !settings.stop.adaptive->channels.empty(), "adaptive sampling by channels"},
         {settings.samples.only.has_value(), "a replayed sample (--replay)"},
+        {job.layer_passes && job.outputs.denoise, "layers of passes (--layer-passes) with the denoiser"},
         {!job.outputs.deep.file.empty(), "a deep image (--deep)"},
         {!job.outputs.atlas.file.empty(), "a path atlas (--atlas)"},
         {any_of_light(settings.channels.rules), "a rule for a channel of light"},

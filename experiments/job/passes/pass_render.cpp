@@ -150,6 +150,11 @@ class PassRenderer {
             return error;
         }
         records_[index] = record_of(index, *output);
+        if (plan_.passes[index].has_halves && (!half || !output->samples.complete))
+            output->warnings.push_back(
+                error_at({}, "the pass '" + plan_.passes[index].name +
+                                 "' was stopped before both of its halves were rendered: mse, even and odd of light "
+                                 "lack its noise"));
         keep(index, *std::move(output), std::move(half));
         rendered_.push_back(index);
         return success();
@@ -177,6 +182,7 @@ class PassRenderer {
                                        const std::function<void(const RenderProgress&)>& progress,
                                        std::optional<display::FrameBuffer>& half) {
         constexpr auto block = static_cast<std::uint64_t>(transport::TileGrid::block_size);
+        if (!settings.samples.per_pixel) return error_at({}, "halves of a pass need a number of samples");
         const std::uint64_t all = *settings.samples.per_pixel, split = all / block / 2 * block;
         settings.samples.per_pixel = split;
         auto first = transport::render(scene_, built_, settings, progress, stop_);

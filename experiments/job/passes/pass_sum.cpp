@@ -43,6 +43,7 @@ std::vector<double> PassImage::resolve(display::ChannelId id, std::span<const di
     const display::ChannelId source = position[static_cast<std::size_t>(channel.source)];
     if (source < 0) return {};
     const double share = static_cast<double>(half->light_path_count()) / static_cast<double>(buffer.light_path_count());
+    if (!(share > 0 && share < 1)) return {};  // stopped before the second half
     std::vector<double> first = half->resolve(source, region);
     const std::vector<double> whole = buffer.resolve(source, region);
     for (std::size_t i = 0; i < first.size(); ++i) {

@@ -1,6 +1,8 @@
 // Passes from the command line: the file, its header, its proof, and refusals.
 #include <catch2/catch.hpp>
 
+#include <sstream>
+
 #include "cli/experiment_support.h"
 
 using namespace raylex::test;
@@ -89,6 +91,34 @@ TEST_CASE("passes --propose writes a job that render accepts", "[passes]") {
     folder.write("done.toml", "[scene]\nfile = 'room.pbrt'\n[[pass]]\nmethod = 'path'\ntakes = 'rest'\n");
     check_refused(folder, "passes done.toml --propose", {"done.toml", "the job has passes"});
     check_refused(folder, "passes room.pbrt", {"--propose is required"});
+    check_refused(folder, "passes room.pbrt -o room.pbrt --propose", {"expected a name that ends in .toml"});
+    folder.write("own.toml", "[scene]\nfile = 'room.pbrt'\n");
+    check_refused(folder, "passes own.toml -o own.toml --propose", {"is an input and would be overwritten"});
+    check_refused(folder, "passes room.pbrt -o none/p.toml --propose", {"none: is no folder"});
+    folder.write("saved.toml", "[scene]\nfile = 'room.pbrt'\n[render]\ncheckpoint = '10s'\n");
+    check_refused(folder, "passes saved.toml --propose", {"saved.toml", "passes do not support checkpoints"});
+}
+
+TEST_CASE("passes --propose gives no class to a method that misses its light", "[passes]") {
+    const SceneFolder folder;
+    // The lamp is so small that no path finds it through the ball.
+    folder.write("lamp.pbrt",
+                 "LookAt 0 3 6  0 0 0  0 1 0\nCamera \"perspective\" \"float fov\" 40\n"
+                 "Film \"rgb\" \"integer xresolution\" 32 \"integer yresolution\" 24\n"
+                 "Sampler \"zsobol\" \"integer pixelsamples\" 16\nWorldBegin\nAttributeBegin\nTranslate 1.5 4 0\n"
+                 "AreaLightSource \"diffuse\" \"rgb L\" [1600 1600 1600]\nShape \"sphere\" \"float radius\" 0.05\n"
+                 "AttributeEnd\nMaterial \"diffuse\"\n"
+                 "Shape \"bilinearmesh\" \"point3 P\" [-5 -1 -5 5 -1 -5 -5 -1 5 5 -1 5]\n"
+                 "Material \"dielectric\"\nShape \"sphere\" \"float radius\" 0.9\n");
+    const Outcome proposed = run_raylex(folder, "passes lamp.pbrt --propose");
+    INFO(proposed.out << proposed.err);
+    REQUIRE(proposed.code == 0);
+    const std::size_t row = proposed.out.find("# caustics  ");
+    REQUIRE(row != std::string::npos);
+    std::istringstream words(proposed.out.substr(row));
+    std::string mark, name, method;
+    words >> mark >> name >> method;
+    CHECK((method == "bdpt" || method == "lighttracer"));
 }
 
 TEST_CASE("passes --propose gives caustics to the light tracer", "[passes][gate]") {

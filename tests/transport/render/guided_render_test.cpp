@@ -150,8 +150,33 @@ TEST_CASE("a guided render in many sessions has the bits of one that was never i
     }
 }
 
+TEST_CASE("the training of a guide does not depend on the samples of the render",
+          "[guide][render][law3][release-only][gate]") {
+    transport::RenderSettings settings = guided_settings(0, 16);
+    const auto few = render_of(scene_of(room), settings).statistics.guide;
+    settings.samples.per_pixel = 32;
+    settings.samples.first = 16;
+    const auto shard = render_of(scene_of(room), settings).statistics.guide;
+    CHECK(few.samples >= 1024);
+    CHECK(shard.samples == few.samples);
+    CHECK(shard.gain == few.gain);
+    CHECK(shard.bytes == few.bytes);
+}
+
+TEST_CASE("a training that takes half of the time limit is given up, with a warning", "[guide][render]") {
+    transport::RenderSettings settings = guided_settings(4096, 16);
+    settings.samples.per_pixel.reset();
+    settings.stop.limit = transport::SampleLimit{.seconds = 0.4};
+    auto output = transport::render(scene_of(room), settings);
+    REQUIRE(output.ok());
+    CHECK(output->statistics.guide.cut);
+    CHECK_FALSE(output->statistics.guide.used);
+    REQUIRE_FALSE(output->warnings.empty());
+    CHECK(output->warnings.back().message.find("half of the time limit") != std::string::npos);
+}
+
 TEST_CASE("a stop ends the training of a guide", "[guide][render]") {
-    transport::RenderSettings settings = guided_settings(1 << 16, 16);  // 38 million paths
+    transport::RenderSettings settings = guided_settings(4096, 16);  // 2.4 million paths
     std::atomic<bool> stop{true};
     auto output = transport::render(scene_of(room), settings, {}, &stop);
     REQUIRE(output.ok());

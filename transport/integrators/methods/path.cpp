@@ -103,7 +103,7 @@ Result<std::unique_ptr<Integrator>> make_path(const SceneEntity& entity, std::op
                                                        LightSelection::receiver, LightSelection::receiver};
     constexpr std::array<GuideMode, 3> guides{GuideMode::off, GuideMode::automatic, GuideMode::on};
     p.guide = guides[read.choice("guide", {"off", "auto", "on"}, 0)];
-    p.guide_samples = static_cast<std::uint32_t>(read.integer("guidesamples", 0, 0, 1 << 16));
+    p.guide_samples = static_cast<std::uint32_t>(read.integer("guidesamples", 0, 0, 4096));
     p.light_selection = selections[read.choice("lightsampler", {"power", "uniform", "bvh", "exhaustive"}, 2)];
     if (read.error()) return *read.error();
     return make_path_integrator(p);
@@ -140,8 +140,8 @@ Registry<IntegratorFactory>::Entry path_integrator_entry() {
           "learn before the render where light comes from, and draw directions there: on; off; auto, where a "
           "forecast shows that it pays"},
          {"guidesamples", T::integer, "0",
-          "samples of each pixel from which the guide learns; 0: about two million in all, and at most an eighth of "
-          "the render's"}},
+          "samples of each pixel from which the guide learns, rounded down to a power of 2, at least 2; 0: about two "
+          "million in all, and 4 to 4096 of each pixel"}},
         make_path};
 }
 

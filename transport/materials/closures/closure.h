@@ -38,9 +38,11 @@ class Bsdf {
             return LambertClosure::pdf(frame_, wo, wi);
         return pdf_other(wo, wi);
     }
-    /// Whether pdf() is the density of sample(). Of layered closures it is only near it.
+    /// Whether pdf() is the density of sample(). Of layered closures it is only near it, and closures of plugins may be
+    /// stochastic.
     [[nodiscard]] bool pdf_is_exact() const {
-        return !holds<LayeredClosure<LambertClosure>>() && !holds<LayeredClosure<ConductorClosure>>();
+        return !holds<LayeredClosure<LambertClosure>>() && !holds<LayeredClosure<ConductorClosure>>() &&
+               !holds<CustomClosure>();
     }
     /// Whether any lobe has a density: false means that light sampling is of no use here.
     [[nodiscard]] bool has_density() const { return has_density_; }

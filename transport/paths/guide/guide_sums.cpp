@@ -181,6 +181,7 @@ void GuideRefinement::copy(std::uint32_t from, std::uint32_t to, std::uint32_t d
 }
 
 void GuideRefinement::divide(std::uint32_t region, std::uint64_t finds, std::uint32_t to, std::uint32_t depth) {
+    if (tree_->nodes_.size() > limits_.nodes) return;  // the tree will be dropped
     if (finds > finds_ && depth < GuideTree::most_halvings) {
         const auto first = static_cast<std::uint32_t>(tree_->space_.size());
         tree_->space_[to].first = first;
@@ -251,7 +252,13 @@ GuideTree refined(const GuideSums& sums, const GuideLimits& limits) {
     GuideRefinement refinement(sums, limits);
     GuideTree tree = sums.tree();
     std::uint64_t finds = std::max<std::uint64_t>(limits.finds, 1);
-    while (!refinement.build(tree, finds)) finds *= 2;
+    std::uint64_t most = 0;
+    for (const GuideSums::Region& region : sums.regions()) most = std::max(most, region.finds.load());
+    while (!refinement.build(tree, finds)) {
+        // No region would be halved any more, and the quadtrees alone need too many nodes.
+        if (finds > most) return sums.tree();
+        finds *= 2;
+    }
     return tree;
 }
 

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
+#include <exception>
 #include <mutex>
 #include <stdexcept>
 #include <thread>
@@ -22,8 +23,9 @@ namespace {
 
 constexpr int tile_side = 8;
 constexpr std::uint64_t paths_of_training = 1u << 21;
-constexpr std::uint64_t shares_of_render = 8;               // training takes at most this part of the samples
-constexpr std::uint64_t finds_of_region = 300;              // records with light, those of neighbours included
+constexpr std::uint64_t fewest_samples = 4;     // of a pixel: fewer do not show what pays
+constexpr std::uint64_t most_samples = 4096;    // of a pixel: all samples of a tile and a round are in memory
+constexpr std::uint64_t finds_of_region = 300;  // records with light, those of neighbours included
 constexpr std::size_t guide_bytes = std::size_t{64} << 20;  // sums of a round and the tree of the next included
 // Cost of a vertex whose direction the guide may draw, beside that of its ray, relative to a scattering ray
 // (pilot_cost()); measured on glass-fixtures and door-ajar.
@@ -119,17 +121,16 @@ std::unique_ptr<Integrator> GuidePilot::make_integrator(const DirectionSampler* 
     return integrator;
 }
 
-/// Rounds after round 0; all rounds together take 2^rounds samples of each pixel.
+/// Rounds after round 0; all rounds together take 2^rounds samples of each pixel. The number must not depend on the
+/// samples of the render: a shard, and a render that ends by its time, train to the same bits as the whole.
 std::uint32_t GuidePilot::rounds() const {
     const auto log2_below = [](std::uint64_t n) { return static_cast<std::uint32_t>(std::bit_width(n) - 1); };
     if (training_.request.samples > 0) return std::max(1u, log2_below(training_.request.samples));
     const std::uint64_t pixels =
         static_cast<std::uint64_t>(context_.view.width) * static_cast<std::uint64_t>(context_.view.height);
-    std::uint64_t samples = std::max<std::uint64_t>(2, (paths_of_training + pixels / 2) / pixels);
-    if (training_.samples_per_pixel > 0)
-        samples = std::min(samples, std::max<std::uint64_t>(1, training_.samples_per_pixel / shares_of_render));
-    if (samples < 4 && training_.request.mode == GuideMode::automatic) return 0;  // too few to find out what pays
-    return std::max(1u, log2_below(samples));
+    const std::uint64_t samples =
+        std::clamp<std::uint64_t>((paths_of_training + pixels / 2) / pixels, fewest_samples, most_samples);
+    return log2_below(samples);
 }
 
 /// The weight of a tile is 1 over the square of its mean, but dark tiles do not count more than those of half the
@@ -231,7 +232,7 @@ bool GuidePilot::follow(std::uint32_t round) {
     std::mutex mutex;
     std::condition_variable done;
     std::size_t running = 0;
-    std::string failure;
+    std::exception_ptr failure;
     const auto work = [&](GuideWorker& worker) {
         display::flush_denormals();
         try {
@@ -240,9 +241,9 @@ bool GuidePilot::follow(std::uint32_t round) {
                 if (tile >= tiles_.size()) break;
                 follow_tile(tiles_[tile], worker);
             }
-        } catch (const std::exception& e) {
+        } catch (...) {
             const std::lock_guard lock(mutex);
-            failure = e.what();
+            failure = std::current_exception();
         }
     };
     std::vector<std::thread> threads;
@@ -263,20 +264,22 @@ bool GuidePilot::follow(std::uint32_t round) {
     lock.unlock();
     if (threads.empty()) work(*workers_.front());
     for (std::thread& thread : threads) thread.join();
-    if (!failure.empty()) throw std::runtime_error(failure);
+    if (failure) std::rethrow_exception(failure);
     return !leave_.load();
 }
 
 /// Mean cost of a path in the unit of pilot_cost().
 double GuidePilot::cost(bool guided) const {
-    double cost = 0, paths = 0;
+    // Integers are summed first, so the cost has the same bits however threads shared the tiles.
+    IntegratorCounters counters;
+    std::uint64_t departures = 0;
     for (const auto& worker : workers_) {
-        const IntegratorCounters& counters = guided ? worker->guided->counters : worker->plain->counters;
-        cost += pilot_cost(counters);
-        if (guided) cost += guide_vertex_cost * static_cast<double>(worker->departures);
-        paths += static_cast<double>(counters.camera_rays);
+        counters.add(guided ? worker->guided->counters : worker->plain->counters);
+        if (guided) departures += worker->departures;
     }
-    return paths > 0 ? cost / paths : 1;
+    if (counters.camera_rays == 0) return 1;
+    return (pilot_cost(counters) + guide_vertex_cost * static_cast<double>(departures)) /
+           static_cast<double>(counters.camera_rays);
 }
 
 /// Of the last round: variance x cost without the guide, over the same with it.
@@ -325,7 +328,6 @@ TrainedGuide GuidePilot::run() {
     TrainedGuide trained;
     const Stopwatch watch;
     const std::uint32_t last = rounds();
-    if (last == 0) return trained;
     const bool automatic = training_.request.mode == GuideMode::automatic;
     bool whole = follow(0), pays = true;
     for (std::uint32_t round = 1; whole && pays && round <= last; ++round) {
@@ -338,7 +340,8 @@ TrainedGuide GuidePilot::run() {
         refine(round == last);
     }
     summarize(trained);
-    trained.summary.used = whole && pays;
+    trained.summary.used = whole && pays && trained.summary.guided > 0;
+    trained.summary.cut = !whole;
     if (trained.summary.used) trained.guide = std::move(guide_);
     trained.summary.seconds = watch.wall();
     trained.summary.cpu_seconds = watch.process_cpu();

@@ -16,7 +16,6 @@ namespace raylex::transport {
 struct GuideTraining {
     GuideRequest request;
     std::span<const display::ChannelId> channels;  ///< whose light the guide looks for
-    std::uint64_t samples_per_pixel = 0;           ///< of the render; 0: unknown
     int threads = 1;
     std::function<bool()> stopped;  ///< whether the render has to end; called a few times a second
 };
@@ -29,9 +28,9 @@ struct TrainedGuide {
 
 /// Round 0 measures the means of small tiles and the cost of paths without a guide. Round r takes 2^(r - 1) samples of
 /// each pixel and refines the guide. No training sample is part of the image, so the image is unbiased whatever was
-/// learned. The guide depends on the scene, the seed, the channels and the number of samples, and not on threads
-/// (Law 3). With GuideMode::automatic, it is used only if the forecast of variance x cost says that it pays, and the
-/// training ends early where it does not.
+/// learned. The guide depends on the scene, the seed, the channels and the samples of its training, and neither on
+/// threads nor on the samples of the render (Law 3). With GuideMode::automatic, it is used only if the forecast of
+/// variance x cost says that it pays, and the training ends early where it does not.
 TrainedGuide train_guide(const IntegratorContext& context, const GuideTraining& training);
 
 }  // namespace raylex::transport

@@ -62,12 +62,19 @@ void PreparedJob::train(const Stopwatch& since_call, const std::atomic<bool>* st
     GuideTraining training;
     training.request = job.integrator().guide_request();
     training.channels = channels;
-    training.samples_per_pixel = job.budget.limit ? 0 : job.budget.samples_per_pixel;
     training.threads = job.threads;
-    training.stopped = [&since_call, stop, limit] {
-        return (stop != nullptr && stop->load(std::memory_order_relaxed)) || (limit > 0 && since_call.wall() > limit);
+    // Half of the time is for the image. All sessions of a render with checkpoints must have one guide, so there the
+    // training is not cut.
+    const double longest = job.checkpoint ? 0 : limit / 2;
+    training.stopped = [&since_call, stop, longest] {
+        return (stop != nullptr && stop->load(std::memory_order_relaxed)) ||
+               (longest > 0 && since_call.wall() > longest);
     };
     guide = train_guide(context(), training);
+    if (guide.summary.cut && longest > 0 && since_call.wall() > longest)
+        job.warnings.push_back(
+            error_at({}, "the guide took half of the time limit for its training, and is not used",
+                     "expected a smaller 'guidesamples'; the integrator's guide = \"off\" renders the same bits"));
 }
 
 Result<PreparedJob> PreparedJob::prepare(ResolvedJob resolved, const Stopwatch& since_call,

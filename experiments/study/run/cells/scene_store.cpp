@@ -66,6 +66,8 @@ double relative_error(const transport::RenderOutput& output) {
 Result<Job> SceneStore::job_of(std::size_t scene, std::size_t variant) {
     Job job = config_.job(scene, config_.variants[variant]);
     job.measure_refuted = true;
+    // A sum of passes has no statistics in a study: its error is that between replicates.
+    if (!job.passes.empty()) job.settings.channels.statistics.clear();
     if (Status possible = begin_passes(job); !possible) return possible.error();
     return job;
 }
@@ -221,7 +223,7 @@ Result<Rendered> SceneStore::render(const RenderOrder& order,
     warnings.insert(warnings.end(), (*plan)->notes.begin(), (*plan)->notes.end());
     for (const Error& each : output->output.warnings) warnings.push_back(each.to_string());
     const Phase& planning = channels_.at({order.scene, order.variant}).second;
-    if (samples_of_passes > 0) output->output.samples.per_pixel /= samples_of_passes;
+    if (samples_of_passes > 0 && order.samples > 0) output->output.samples.per_pixel /= samples_of_passes;
     std::vector<PassResult> of_passes;
     for (const PassRecord& each : output->passes)
         of_passes.push_back({each.name, each.method, each.samples_per_pixel, each.cpu_seconds});
