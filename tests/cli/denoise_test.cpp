@@ -132,6 +132,8 @@ TEST_CASE("images of other renderers are denoised with variances, halves or a se
     write_foreign(folder.path("grey.exr"), {{"Y", Imf::HALF, std::vector<float>(40 * 30, 1)}}, 40, 30);
     check_refused(folder, "denoise first.exr --second grey.exr -o out.exr", {"no layer of light has statistics"});
     check_refused(folder, "denoise first.exr --second first.exr -o out.exr", {"is 0 everywhere"});
+    folder.write("black.pbrt", "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8\nWorldBegin\n");
+    CHECK(run_raylex(folder, "render black.pbrt --denoise -o black.exr --spp 2").code == 0);  // it has no noise
     const auto twice = noisy_channels("beauty.", 4, 1, 0.2f);
     write_foreign(folder.path("twice.exr"), join(first, twice), 40, 30);
     write_foreign(folder.path("twice2.exr"), join(second, twice), 40, 30);

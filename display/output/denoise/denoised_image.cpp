@@ -261,7 +261,9 @@ class ImageDenoiser {
         const auto is_zero = [](const std::vector<float>& plane) {
             return std::ranges::all_of(plane, [](float value) { return value == 0; });
         };
-        if (std::ranges::all_of(noisy_.layers.front().variance, is_zero))
+        const NoisyLayer& beauty = noisy_.layers.front();
+        // A black image has no noise.
+        if (std::ranges::all_of(beauty.variance, is_zero) && !std::ranges::all_of(beauty.values, is_zero))
             return image_error(image_, "the variance of '" + names_.front() +
                                            "' is 0 everywhere; expected at least two "
                                            "samples a pixel, or a second image of other random numbers");
