@@ -24,7 +24,8 @@ void print_sampling(const RenderSummary& of) {
         print_line("passes:\n" + passes->second);
     else if (of.job.settings.stop.limit && of.output.samples.complete)
         print_line("time: " + std::to_string(of.output.samples.per_pixel) + " samples per pixel; --spp " +
-                   std::to_string(of.output.samples.per_pixel) + " renders the same bits");
+                   std::to_string(of.output.samples.per_pixel) +
+                   (of.output.statistics.guide.cut ? " with guide = \"off\"" : "") + " renders the same bits");
     if (!of.output.samples.adaptive) return;
     const double pixels = static_cast<double>(of.output.view.width) * static_cast<double>(of.output.view.height);
     std::string line =
