@@ -281,8 +281,8 @@ run_programs() {
         grep '^SKIPPED ' "$report"
         passed=$((passed + ok - left_out))
         skipped=$((skipped + left_out))
-        printf '%-22s %-10s %4d passed %4d failed %4d skipped %5s CPU s\n' "$name" "$label" "$((ok - left_out))" "$bad" \
-            "$left_out" "$(cat "$results/$preset-$label-$name.seconds")"
+        printf '%-22s %-10s %4d passed %4d failed %4d skipped %5s CPU s\n' "$name" "$label" "$((ok - left_out))" \
+            "$bad" "$left_out" "$(cat "$results/$preset-$label-$name.seconds")"
         if [ "$bad" -gt 0 ] || { [ "$status" -ne 0 ] && [ "$ok" -gt 0 ]; }; then
             # As text, of this run: what failed once need not fail again.
             local told
