@@ -112,6 +112,7 @@ class RecordReader {
 
     [[nodiscard]] bool ok() const { return ok_; }
     [[nodiscard]] bool at_end() const { return ok_ && left_.empty(); }
+    [[nodiscard]] std::string_view rest() const { return left_; }
 
     template <class Number>
     Number number() {

@@ -108,6 +108,7 @@ Result<ShardRender> ShardRender::make(Job& job, const transport::SceneDescriptio
     shard.range_ = *range;
     job.settings.samples.first = range->first;
     job.settings.samples.per_pixel = range->end;
+    job.settings.samples.whole = *total;
     std::error_code failed;
     job.resume = std::filesystem::exists(checkpoint_file(job), failed);
     return shard;

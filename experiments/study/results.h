@@ -83,6 +83,7 @@ struct StudyRun {
     bool failed = false;
     std::string failure;                  ///< the reason of a failure
     std::uint64_t samples_per_pixel = 0;  ///< reached; for adaptive sampling the rounded mean
+    std::uint32_t guide_samples = 0;      ///< of each pixel, from which a guide learned; 0: no guide was used
     /// The time for equal-time comparisons: the integrator's preparation and rendering, or the whole external process.
     /// Loading the scene and building its tables, equal for all methods of raylex, are separate phases and not
     /// included.

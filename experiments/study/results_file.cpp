@@ -59,6 +59,7 @@ static void visit_fields(auto visit, StudyRun& run) {
     visit("state", OneOfTwo{run.failed, "failed", "done"});
     visit.optional("reason", run.failure, run.failed);
     visit("samples_per_pixel", run.samples_per_pixel);
+    visit.optional("guide_samples", run.guide_samples, run.guide_samples > 0);
     visit("wall_seconds", run.wall_seconds);
     visit("cpu_seconds", run.cpu_seconds);
     visit("phases", run.phases);

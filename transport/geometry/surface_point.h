@@ -40,6 +40,7 @@ struct SurfacePoint {
     std::int32_t material = 0;
     std::uint32_t random_key = 0;                 ///< counter-based key for stochastic closures and `mix`
     const SurfaceFootprint* footprint = nullptr;  ///< null: textures are not filtered
+    std::uint32_t direction_region = 0;           ///< set by DirectionSampler::locate(); 0: unknown
     VertexServices services;
 
     /// |cos| between a direction and the surface; 1 in a medium.

@@ -8,6 +8,8 @@
 // A sampler is used at vertices whose closure has a density. At mirrors and smooth glass the closure alone decides.
 #pragma once
 
+#include <span>
+
 #include "transport/geometry/surface_point.h"
 #include "transport/materials/closures/closure.h"
 
@@ -17,6 +19,10 @@ namespace raylex::transport {
 class DirectionSampler {
   public:
     virtual ~DirectionSampler() = default;
+
+    /// Sets SurfacePoint::direction_region of new vertices to what their densities depend on. The other functions
+    /// accept points without it.
+    virtual void locate(std::span<SurfacePoint> points) const { static_cast<void>(points); }
 
     /// Samples the direction in which a path of `mode` that arrived from point.wo continues; u_lobe and u are in [0,
     /// 1). For a direction with a density, `pdf` must equal pdf() of the rounded `wi`. The walk evaluates the closure

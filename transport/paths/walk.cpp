@@ -261,6 +261,7 @@ void Walk<mode>::shade() {
     if (options_.regularize)
         for (std::size_t j = 0; j < count; ++j)
             if (paths_[v.rows[j]].any_non_specular) v.bsdfs[j].regularize();
+    if (context_.directions != nullptr) context_.directions->locate({v.points.data(), count});
     if (wavelengths_.any()) wavelengths_.meet(v, paths_);
 }
 

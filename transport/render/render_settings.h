@@ -58,6 +58,8 @@ struct SampleSettings {
     /// A render with first > 0 is a shard. Shards that share no sample merge to the bits of the whole render
     /// (FrameBuffer::merge).
     std::uint64_t first = 0;
+    /// Of a shard: samples of each pixel of the whole render, on which the training of a guide depends.
+    std::optional<std::uint64_t> whole;
     /// Renders this sample and no other, with the same random numbers as in a render of all samples.
     std::optional<SampleChoice> only;
     std::uint64_t seed = 0;              ///< is added to the sampler's own "seed"
@@ -92,6 +94,9 @@ struct PathSettings {
     /// False: without a beauty, the integrator also traces paths that no channel can accept. This measures what
     /// pruning saves.
     bool prune = true;
+    /// Set: if the integrator learns a guide, it learns from so many samples of each pixel, and uses it; 0: no guide.
+    /// So a render repeats one that a time limit ended (GuideSummary::repeated()).
+    std::optional<std::uint32_t> guide_samples;
 };
 
 /// The conversion of paths to path strings for light path expressions.

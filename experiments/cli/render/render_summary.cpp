@@ -15,6 +15,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// The settings of the integrator with which another render has the same guide.
+std::string guide_settings(const transport::GuideSummary& guide) {
+    if (guide.samples == 0) return {};
+    if (!guide.used) return " with guide = \"off\"";
+    return " with guide = \"on\" and guidesamples = " + std::to_string(guide.samples);
+}
+
 void print_sampling(const RenderSummary& of) {
     const std::uint64_t samples = of.output.statistics.camera_samples;
     if (of.output.samples.resumed > 0)
@@ -24,8 +31,8 @@ void print_sampling(const RenderSummary& of) {
         print_line("passes:\n" + passes->second);
     else if (of.job.settings.stop.limit && of.output.samples.complete)
         print_line("time: " + std::to_string(of.output.samples.per_pixel) + " samples per pixel; --spp " +
-                   std::to_string(of.output.samples.per_pixel) +
-                   (of.output.statistics.guide.cut ? " with guide = \"off\"" : "") + " renders the same bits");
+                   std::to_string(of.output.samples.per_pixel) + guide_settings(of.output.statistics.guide) +
+                   " renders the same bits");
     if (!of.output.samples.adaptive) return;
     const double pixels = static_cast<double>(of.output.view.width) * static_cast<double>(of.output.view.height);
     std::string line =

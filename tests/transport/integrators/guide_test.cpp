@@ -5,7 +5,7 @@
 #include <thread>
 
 #include "tests/transport/materials_support.h"
-#include "transport/math/octahedral.h"
+#include "transport/paths/guide/direction_square.h"
 #include "transport/paths/guide/guide.h"
 #include "transport/paths/guide/guide_sums.h"
 #include "transport/render/stages/prepared_job.h"
@@ -67,13 +67,14 @@ GuideTree taught(unsigned threads) {
 /// The integral over the sphere: squares of the map that are not within one cell are divided.
 double integral(const GuideTree& tree, const GuideTree::Region& region, double x, double y, double size, int& cells) {
     const auto direction = [&](double u, double v) {
-        return transport::direction_from_octahedral({static_cast<Real>(x + u * size), static_cast<Real>(y + v * size)});
+        return transport::direction_from_square({static_cast<Real>(x + u * size), static_cast<Real>(y + v * size)});
     };
     const std::size_t cell = tree.cell_of(region, direction(0.25, 0.25));
     if (cell == tree.cell_of(region, direction(0.75, 0.25)) && cell == tree.cell_of(region, direction(0.25, 0.75)) &&
         cell == tree.cell_of(region, direction(0.75, 0.75))) {
         ++cells;
-        return double{tree.density(region, direction(0.5, 0.5))} * size * size * sphere_area;
+        const Vec3 centre = direction(0.5, 0.5);
+        return double{tree.density(region, centre) / transport::square_per_steradian(centre)} * size * size;
     }
     double sum = 0;
     for (const double u : {0.0, 0.5})
@@ -81,7 +82,7 @@ double integral(const GuideTree& tree, const GuideTree::Region& region, double x
     return sum;
 }
 
-/// Chi-squared of `count` samples of a region against a density, over 32 x 32 parts of equal solid angle; in standard
+/// Chi-squared of `count` samples of a region against a density, over 32 x 32 parts of the square; in standard
 /// deviations from its mean.
 template <class Density>
 double chi_squared(const GuideTree& tree, const GuideTree::Region& region, Random& random, int count,
@@ -89,16 +90,17 @@ double chi_squared(const GuideTree& tree, const GuideTree::Region& region, Rando
     constexpr int parts = 32, within = 8;
     std::vector<double> found(parts * parts), expected(parts * parts);
     for (int i = 0; i < count; ++i) {
-        const Vec2 at = transport::octahedral_from_direction(tree.sample(region, random.two()));
+        const Vec2 at = transport::square_from_direction(tree.sample(region, random.two()));
         const auto part = [](Real x) { return std::min(static_cast<int>(x * parts), parts - 1); };
         ++found[static_cast<std::size_t>(part(at.y) * parts + part(at.x))];
     }
     for (int y = 0; y < parts * within; ++y)
         for (int x = 0; x < parts * within; ++x) {
-            const Vec3 direction = transport::direction_from_octahedral(
+            const Vec3 direction = transport::direction_from_square(
                 {(static_cast<Real>(x) + 0.5f) / (parts * within), (static_cast<Real>(y) + 0.5f) / (parts * within)});
             expected[static_cast<std::size_t>(y / within * parts + x / within)] +=
-                density(direction) * count * sphere_area / (parts * parts * within * within);
+                density(direction) / double{transport::square_per_steradian(direction)} * count /
+                (parts * parts * within * within);
         }
     double sum = 0, rest_found = 0, rest_expected = 0;
     int degrees = 0;
@@ -147,7 +149,7 @@ TEST_CASE("the density of each region of a guide integrates to 1, and samples ha
     int guided = 0, most_cells = 0;
     for (const GuideTree::Region& region : tree.regions()) {
         int cells = 0;
-        // Sums of float shares: 12 levels, each wrong by 2^-23 at most.
+        // Products of up to 12 shares and the area of the square per steradian, each rounded by 2^-24 of its value.
         CHECK(integral(tree, region, 0, 0, 1, cells) == Approx(1).margin(5e-6));
         most_cells = std::max(most_cells, cells);
         if (region.share > 0) ++guided;
@@ -181,12 +183,21 @@ TEST_CASE("a guide learns where light comes from, and that it pays there", "[gui
     for (const Real x : {0.1f, 0.4f, 0.9f}) {
         const GuideTree::Region& region = tree.region(tree.place_of({x, 0.4f, 0.6f}, {0, 1, 0}).region);
         const Vec3 spot{std::cos(x), std::sin(x), 0};
-        CAPTURE(x, region.share, tree.density(region, spot), tree.density(region, -spot));
+        // Means over cones: a cell alone has learned from a few records.
+        Random random(7);
+        Real towards = 0, away = 0;
+        constexpr int directions = 256;
+        for (int i = 0; i < directions; ++i) {
+            const Vec3 other = transport::sample_uniform_sphere(random.two()), near = normalize(spot + other * 0.1f);
+            towards += tree.density(region, near) / directions;
+            away += tree.density(region, -near) / directions;
+        }
+        CAPTURE(x, region.share, towards, away);
         CHECK(region.share >= 0.25f);
         // The spot is 1 / 270 of the sphere, and the ideal density there 200 times that of the sphere. Regions are wide
         // enough for it to move by its own width.
-        CHECK(tree.density(region, spot) > 20 * transport::uniform_sphere_pdf());
-        CHECK(tree.density(region, -spot) < transport::uniform_sphere_pdf());
+        CHECK(towards > 20 * transport::uniform_sphere_pdf());
+        CHECK(away < transport::uniform_sphere_pdf());
     }
     // Surfaces that no record was at stay with their closures.
     CHECK(tree.region(tree.place_of({0.5f, 0.5f, 0.5f}, {1, 0, 0}).region).share == 0);

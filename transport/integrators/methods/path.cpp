@@ -140,8 +140,8 @@ Registry<IntegratorFactory>::Entry path_integrator_entry() {
           "learn before the render where light comes from, and draw directions there: on; off; auto, where a "
           "forecast shows that it pays"},
          {"guidesamples", T::integer, "0",
-          "samples of each pixel from which the guide learns, rounded down to a power of 2, at least 2; 0: about two "
-          "million in all, and 4 to 4096 of each pixel"}},
+          "samples of each pixel from which the guide learns, rounded down to a power of 2, at least 2; 0: at "
+          "most an eighth of the samples or a sixth of the time limit, and at most 4096"}},
         make_path};
 }
 

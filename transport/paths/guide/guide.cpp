@@ -18,11 +18,19 @@ Real favoured(Real pdf, Real closure_pdf) {
 
 }  // namespace
 
+std::uint32_t Guide::region_number(const SurfacePoint& point) const {
+    const bool surface = point.material != SurfacePoint::no_material;
+    return tree_.place_of(point.position, surface ? point.shading_normal : Vec3{0, 0, 0}).region;
+}
+
+void Guide::locate(std::span<SurfacePoint> points) const {
+    for (SurfacePoint& point : points) point.direction_region = 1 + region_number(point);
+}
+
 const GuideTree::Region* Guide::region_of(const Bsdf& bsdf, const SurfacePoint& point, TransportMode mode) const {
     if (mode == TransportMode::importance || !bsdf.pdf_is_exact()) return nullptr;
-    const bool surface = point.material != SurfacePoint::no_material;
-    const GuideTree::Region& region =
-        tree_.region(tree_.place_of(point.position, surface ? point.shading_normal : Vec3{0, 0, 0}).region);
+    const std::uint32_t number = point.direction_region > 0 ? point.direction_region - 1 : region_number(point);
+    const GuideTree::Region& region = tree_.region(number);
     return region.share > 0 ? &region : nullptr;
 }
 

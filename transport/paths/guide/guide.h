@@ -18,6 +18,7 @@ class Guide final : public DirectionSampler {
     /// Not while paths are drawn.
     void set_tree(GuideTree tree) { tree_ = std::move(tree); }
 
+    void locate(std::span<SurfacePoint> points) const override;
     [[nodiscard]] BsdfSample sample(const Bsdf& bsdf, const SurfacePoint& point, TransportMode mode, Real u_lobe,
                                     const Vec2& u) const override;
     [[nodiscard]] Real pdf(const Bsdf& bsdf, const SurfacePoint& point, TransportMode mode, const Vec3& to,
@@ -27,6 +28,7 @@ class Guide final : public DirectionSampler {
     /// The region of a point; null: the closure draws the direction.
     [[nodiscard]] const GuideTree::Region* region_of(const Bsdf& bsdf, const SurfacePoint& point,
                                                      TransportMode mode) const;
+    [[nodiscard]] std::uint32_t region_number(const SurfacePoint& point) const;
     GuideTree tree_;
 };
 

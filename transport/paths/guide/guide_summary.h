@@ -15,6 +15,9 @@ struct GuideSummary {
     bool used = false;          ///< the render uses the guide
     bool cut = false;           ///< a time limit or a stop ended the training: closures draw all directions
     double seconds = 0, cpu_seconds = 0;  ///< of the training
+
+    /// PathSettings::guide_samples with which another render has the same guide.
+    [[nodiscard]] std::uint32_t repeated() const { return used ? samples : 0; }
 };
 
 }  // namespace raylex::transport

@@ -1,10 +1,12 @@
 #include "transport/paths/guide/guide_sums.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "display/services/elementary.h"
 #include "display/services/split_mix.h"
+#include "transport/paths/guide/direction_square.h"
 
 namespace raylex::transport {
 namespace {
@@ -84,7 +86,7 @@ double GuideSums::add(const GuideRecord& r) {
 
 void GuideSums::learn(const Vec3& position, const Vec3& normal, const Vec3& direction, double value) {
     const GuideTree::Region& learns = tree_.region(tree_.place_of(position, normal).region);
-    add_to(cells_[tree_.cell_of(learns, direction)], quantised(value));
+    add_to(cells_[tree_.cell_of(learns, direction)], quantised(value / double{square_per_steradian(direction)}));
 }
 
 /// Surfaces around the vertex see the same light in other directions, and under another solid angle.
@@ -130,7 +132,9 @@ class GuideRefinement {
     void find_common_nearness();
     void copy(std::uint32_t from, std::uint32_t to, std::uint32_t depth);
     void divide(std::uint32_t region, std::uint64_t finds, std::uint32_t to, std::uint32_t depth);
-    std::uint32_t grow(std::uint32_t from, const Masses& masses, std::uint32_t depth, float least, bool learned);
+    void grow(std::uint32_t to, std::uint32_t from, Masses masses, std::uint32_t depth, float least, bool learned);
+    static Masses shares_of(const GuideTree::Node& n) { return {n.share(0), n.share(1), n.share(2), n.share(3)}; }
+    static std::array<std::uint16_t, 4> in_whole(const Masses& masses);
     [[nodiscard]] Real share_of(std::uint32_t region) const;
 
     const GuideSums& sums_;
@@ -146,16 +150,33 @@ class GuideRefinement {
 void GuideRefinement::find_masses() {
     std::vector<std::uint8_t> depths(masses_.size(), 0);
     for (std::size_t n = 1; n < masses_.size(); ++n)
-        for (const std::uint32_t child : old_.nodes_[n].child)
-            if (child != 0) depths[child] = static_cast<std::uint8_t>(depths[n] + 1);
+        for (std::uint32_t q = 0; q < 4; ++q)
+            if (const std::uint32_t child = old_.nodes_[n].child(q); child != 0)
+                depths[child] = static_cast<std::uint8_t>(depths[n] + 1);
     for (std::size_t n = masses_.size(); n-- > 1;)
-        for (std::size_t q = 0; q < 4; ++q) {
-            const std::uint32_t child = old_.nodes_[n].child[q];
+        for (std::uint32_t q = 0; q < 4; ++q) {
+            const std::uint32_t child = old_.nodes_[n].child(q);
             masses_[n][q] =
                 child != 0
                     ? total(masses_[child])
                     : static_cast<float>(std::sqrt(std::ldexp(sums_.cell(4 * n + q), -2 * (int{depths[n]} + 1))));
         }
+}
+
+/// Rounds masses to parts of Node::whole. No quadrant with a mass loses all of it.
+std::array<std::uint16_t, 4> GuideRefinement::in_whole(const Masses& masses) {
+    constexpr auto whole = static_cast<int>(GuideTree::Node::whole);
+    const float scale = static_cast<float>(whole) / total(masses);
+    std::array<int, 4> parts{};
+    int rest = whole;
+    for (std::size_t q = 0; q < 4; ++q) {
+        parts[q] = masses[q] > 0 ? std::max(1, static_cast<int>(masses[q] * scale)) : 0;
+        rest -= parts[q];
+    }
+    *std::max_element(parts.begin(), parts.end()) += rest;
+    std::array<std::uint16_t, 4> result{};
+    std::copy(parts.begin(), parts.end(), result.begin());
+    return result;
 }
 
 void GuideRefinement::find_common_nearness() {
@@ -192,13 +213,15 @@ void GuideRefinement::divide(std::uint32_t region, std::uint64_t finds, std::uin
     }
     const std::uint32_t root = old_.regions_[region].root;
     const bool learned = total(masses_[root]) > 0;
-    const Masses& masses = learned ? masses_[root] : old_.nodes_[root].mass;
+    const Masses masses = learned ? masses_[root] : shares_of(old_.nodes_[root]);
     GuideTree::Region fresh;
     const double found =
         std::max<double>(1, static_cast<double>(sums_.regions()[region].finds.load(std::memory_order_relaxed)));
     const float least = std::max(least_cell, static_cast<float>(finds_of_cell / found)) * total(masses);
     prior_ = static_cast<float>(prior_finds / found) * total(masses);
-    fresh.root = grow(root, masses, 0, least, learned);
+    fresh.root = static_cast<std::uint32_t>(tree_->nodes_.size());
+    tree_->nodes_.emplace_back();
+    grow(fresh.root, root, masses, 0, least, learned);
     const bool known = learned || old_.regions_[region].share > 0;
     fresh.share = known ? share_of(region) : Real(0);
     if (known && !limits_.final) fresh.share = std::max(fresh.share, training_share);
@@ -206,29 +229,31 @@ void GuideRefinement::divide(std::uint32_t region, std::uint64_t finds, std::uin
     tree_->regions_.push_back(fresh);
 }
 
-/// Copies the old node `from` (0: a part of a cell), with these masses.
-std::uint32_t GuideRefinement::grow(std::uint32_t from, const Masses& masses, std::uint32_t depth, float least,
-                                    bool learned) {
-    const auto number = static_cast<std::uint32_t>(tree_->nodes_.size());
+/// Makes the node `to` from the old node `from` (0: a part of a cell), with these masses.
+void GuideRefinement::grow(std::uint32_t to, std::uint32_t from, Masses masses, std::uint32_t depth, float least,
+                           bool learned) {
+    std::uint32_t divided = 0;
+    for (std::uint32_t q = 0; q < 4; ++q)
+        if (masses[q] > least && depth + 1 < GuideTree::deepest_node) divided |= 1u << q;
+    const auto first = static_cast<std::uint32_t>(tree_->nodes_.size());
+    tree_->nodes_.resize(first + static_cast<std::size_t>(std::popcount(divided)));
     Masses shares = masses;
     if (learned)
         for (float& each : shares) each += prior_;
-    const float scale = 4 / total(shares);
-    for (float& each : shares) each *= scale;
-    tree_->nodes_.push_back({shares, {}});
-    if (tree_->nodes_.size() > limits_.nodes) return number;  // the tree will be dropped
-    for (std::size_t q = 0; q < 4; ++q) {
-        if (!(masses[q] > least) || depth + 1 >= GuideTree::deepest_node) continue;
-        const std::uint32_t child = from == 0 ? 0 : old_.nodes_[from].child[q];
+    tree_->nodes_[to].mass = in_whole(shares);
+    tree_->nodes_[to].first_and_divided = first << 4 | divided;
+    if (tree_->nodes_.size() > limits_.nodes) return;  // the tree will be dropped
+    for (std::uint32_t q = 0; q < 4; ++q) {
+        const std::uint32_t grown = tree_->nodes_[to].child(q);
+        if (grown == 0) continue;
+        const std::uint32_t child = from == 0 ? 0 : old_.nodes_[from].child(q);
         const float quarter = masses[q] / 4;
         Masses below{quarter, quarter, quarter, quarter};
         if (child != 0 && learned) below = masses_[child];
         else if (child != 0)
-            for (std::size_t k = 0; k < 4; ++k) below[k] = quarter * old_.nodes_[child].mass[k];
-        const std::uint32_t grown = grow(child, below, depth + 1, least, learned);
-        tree_->nodes_[number].child[q] = grown;
+            for (std::size_t k = 0; k < 4; ++k) below[k] = masses[q] * old_.nodes_[child].share(k);
+        grow(grown, child, below, depth + 1, least, learned);
     }
-    return number;
 }
 
 /// The share whose density is nearest to the ideal one. A guide has to gain what it costs.

@@ -3,8 +3,9 @@
 // For a region, let C be what a path contributes to its pixel behind a vertex there, over the pixel's mean, and p the
 // density with which the path drew its direction. Among all densities that the region's vertices share, the one
 // proportional to the root of the mean of (C p)^2 over its paths makes the second moment of the image least (A. Rath
-// et al. 2020, "Variance-Aware Path Guiding", with the scattering included in the target). A cell of solid angle a
-// therefore gets the mass sqrt(a s), where s is the sum of C^2 p over its paths.
+// et al. 2020, "Variance-Aware Path Guiding", with the scattering included in the target). A cell of area a of the
+// square (direction_square.h) therefore gets the mass sqrt(a s), where s is the sum of C^2 p over its paths, with p per
+// area.
 //
 // Sums are integers: quantised values are added in any order to the same bits, whatever the number of threads (Law 3).
 #pragma once

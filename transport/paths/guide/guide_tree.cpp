@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "transport/math/octahedral.h"
-#include "transport/math/sampling.h"
+#include "transport/paths/guide/direction_square.h"
 
 namespace raylex::transport {
 namespace {
@@ -20,18 +19,20 @@ std::uint32_t orientation_of(const Vec3& n) {
     return n.z > 0 ? 4 : 5;
 }
 
-/// The half of [0, 1) that contains x: 0 or 1. x becomes the position within it.
-std::uint32_t take_half(Real& x) {
-    x *= 2;
-    const std::uint32_t upper = x >= 1 ? 1 : 0;
-    x -= static_cast<Real>(upper);
-    return upper;
-}
-
-Vec2 square_of(const Vec3& direction) {
-    const Vec2 at = octahedral_from_direction(direction);
-    return {std::clamp(at.x, Real(0), below_one), std::clamp(at.y, Real(0), below_one)};
-}
+/// Coordinates as whole numbers of the smallest cells, which make each halving a shift.
+struct Cell {
+    explicit Cell(const Vec3& direction) {
+        constexpr Real cells = std::uint32_t{1} << GuideTree::deepest_node;
+        const Vec2 at = square_from_direction(direction);
+        x = static_cast<std::uint32_t>(std::min(at.x, below_one) * cells);
+        y = static_cast<std::uint32_t>(std::min(at.y, below_one) * cells);
+    }
+    [[nodiscard]] std::uint32_t quadrant(std::uint32_t depth) const {
+        const std::uint32_t shift = GuideTree::deepest_node - 1 - depth;
+        return 2 * (y >> shift & 1) + (x >> shift & 1);
+    }
+    std::uint32_t x, y;
+};
 
 /// Draws one of two parts, the first with probability p, by u, which becomes the number within the part.
 std::uint32_t choose_half(Real p, Real& u) {
@@ -49,7 +50,7 @@ GuideTree::GuideTree(const Bounds& box) : lower_(box.lower) {
     const auto inverse = [](Real width) { return width > 0 ? 1 / width : Real(0); };
     size_ = box.upper - box.lower;
     scale_ = {inverse(size_.x), inverse(size_.y), inverse(size_.z)};
-    nodes_.resize(1 + orientations, Node{{1, 1, 1, 1}, {}});
+    nodes_.resize(1 + orientations);
     for (std::uint32_t i = 0; i < orientations; ++i) {
         space_.push_back({0, i});
         regions_.push_back({i + 1, 0});
@@ -58,13 +59,21 @@ GuideTree::GuideTree(const Bounds& box) : lower_(box.lower) {
 
 GuideTree::Place GuideTree::place_of(const Vec3& position, const Vec3& normal) const {
     const Vec3 at = position - lower_;
-    std::array<Real, 3> x{at.x * scale_.x, at.y * scale_.y, at.z * scale_.z};
-    // NaN, which no comparison holds for, becomes 0.
-    for (Real& each : x) each = each > 0 ? std::min(each, below_one) : Real(0);
+    constexpr std::uint32_t bits = most_halvings / 3;
+    std::array<std::uint32_t, 3> x{};
+    for (int i = 0; i < 3; ++i) {
+        const Real part = at[i] * scale_[i];
+        // NaN, which no comparison holds for, becomes 0.
+        x[static_cast<std::size_t>(i)] =
+            part > 0 ? static_cast<std::uint32_t>(std::min(part, below_one) * Real{1u << bits}) : 0;
+    }
     Place place;
     const Space* node = &space_[orientation_of(normal)];
-    for (std::uint32_t axis = 0; node->first != 0; axis = axis == 2 ? 0 : axis + 1, ++place.halvings)
-        node = &space_[node->first + take_half(x[axis])];
+    for (std::uint32_t shift = bits; node->first != 0;) {
+        --shift;
+        for (std::size_t axis = 0; axis < 3 && node->first != 0; ++axis, ++place.halvings)
+            node = &space_[node->first + (x[axis] >> shift & 1)];
+    }
     place.region = node->region;
     return place;
 }
@@ -81,36 +90,38 @@ Vec3 GuideTree::sample(const Region& region, const Vec2& u) const {
     Vec2 corner{0, 0};
     for (std::uint32_t number = region.root;;) {
         const Node& node = nodes_[number];
-        const std::uint32_t column = choose_half((node.mass[0] + node.mass[2]) * Real(0.25), x);
-        const std::uint32_t row = choose_half(node.mass[column] / (node.mass[column] + node.mass[column + 2]), y);
+        const Real left = node.share(0) + node.share(2);
+        const std::uint32_t column = choose_half(left, x);
+        const std::uint32_t row = choose_half(node.share(column) / (column == 0 ? left : 1 - left), y);
         size *= Real(0.5);
         corner.x += static_cast<Real>(column) * size;
         corner.y += static_cast<Real>(row) * size;
-        number = node.child[2 * row + column];
+        number = node.child(2 * row + column);
         if (number == 0) break;
     }
-    return direction_from_octahedral({corner.x + x * size, corner.y + y * size});
+    return direction_from_square({corner.x + x * size, corner.y + y * size});
 }
 
 Real GuideTree::density(const Region& region, const Vec3& direction) const {
-    Vec2 at = square_of(direction);
-    Real density = uniform_sphere_pdf();
-    for (std::uint32_t number = region.root; number != 0;) {
+    const Cell at(direction);
+    Real density = square_per_steradian(direction);
+    std::uint32_t number = region.root;
+    for (std::uint32_t depth = 0; number != 0; ++depth) {
         const Node& node = nodes_[number];
-        const std::uint32_t column = take_half(at.x), row = take_half(at.y);
-        density *= node.mass[2 * row + column];
-        if (!(density > 0)) return 0;
-        number = node.child[2 * row + column];
+        const std::uint32_t quadrant = at.quadrant(depth);
+        density *= 4 * node.share(quadrant);
+        number = node.child(quadrant);
     }
     return density;
 }
 
 std::size_t GuideTree::cell_of(const Region& region, const Vec3& direction) const {
-    Vec2 at = square_of(direction);
-    for (std::uint32_t number = region.root;;) {
-        const std::uint32_t column = take_half(at.x), row = take_half(at.y), quadrant = 2 * row + column;
-        if (nodes_[number].child[quadrant] == 0) return 4 * std::size_t{number} + quadrant;
-        number = nodes_[number].child[quadrant];
+    const Cell at(direction);
+    std::uint32_t number = region.root;
+    for (std::uint32_t depth = 0;; ++depth) {
+        const std::uint32_t quadrant = at.quadrant(depth), child = nodes_[number].child(quadrant);
+        if (child == 0) return 4 * std::size_t{number} + quadrant;
+        number = child;
     }
 }
 

@@ -2,13 +2,16 @@
 // Path Guiding for Efficient Light-Transport Simulation".
 //
 // Space is halved again and again, along x, y and z in turn. Each resulting region has a quadtree over the unit square,
-// to which an equal-area map takes the sphere of directions. The density is constant within a cell of the quadtree.
-// Surfaces that face the six directions of the axes, and points in media, have regions of their own: one direction is
-// good for a floor and useless for the wall beside it.
+// to which the sphere of directions is mapped (direction_square.h). Within a cell of the quadtree, the density is
+// constant over the square. Surfaces that face the six directions of the axes, and points in media, have regions of
+// their own: one direction is good for a floor and useless for the wall beside it.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "transport/embree/embree_scene.h"
@@ -19,10 +22,24 @@ class GuideSums;
 
 class GuideTree {
   public:
-    /// A node of a quadtree.
+    /// A node of a quadtree. Its quadrants are numbered row by row; some are divided further by a node of their own,
+    /// and these nodes follow one another. Few bytes: lookups wait for memory.
     struct Node {
-        std::array<float, 4> mass{};           ///< 4 x the shares of the quadrants, row by row
-        std::array<std::uint32_t, 4> child{};  ///< the node of each quadrant; 0: the quadrant is a cell
+        static constexpr std::uint32_t whole = 1u << 15;
+        std::array<std::uint16_t, 4> mass{whole / 4, whole / 4, whole / 4, whole / 4};  ///< sum: whole
+        std::uint32_t first_and_divided = 0;  ///< 16 x the first child, and a bit for each divided quadrant
+
+        /// The share of a quadrant in the density of the node.
+        [[nodiscard]] Real share(std::size_t quadrant) const {
+            return static_cast<Real>(mass[quadrant]) * (Real(1) / Real{whole});
+        }
+        /// The node of a quadrant; 0: the quadrant is a cell.
+        [[nodiscard]] std::uint32_t child(std::uint32_t quadrant) const {
+            if ((first_and_divided >> quadrant & 1) == 0) return 0;
+            constexpr std::uint32_t bits_of = 0x32212110;  // four for each: the bits that are set in 0 to 7
+            const std::uint32_t before = first_and_divided & ((1u << quadrant) - 1);
+            return (first_and_divided >> 4) + (bits_of >> 4 * before & 0xF);
+        }
     };
     struct Region {
         std::uint32_t root = 0;  ///< node of its quadtree
@@ -37,7 +54,8 @@ class GuideTree {
     static constexpr std::uint32_t orientations = 7;  ///< six sides of surfaces, then points in media
     static constexpr std::uint32_t most_halvings = 48, deepest_node = 12;
 
-    /// One region for each orientation, with uniform densities. `box`: the bounds of all points, of finite size.
+    /// One region for each orientation, with a density that is uniform over the square. `box`: the bounds of all
+    /// points, of finite size.
     explicit GuideTree(const Bounds& box);
 
     /// The region of a point. `normal`: the shading normal, zero in a medium. Points outside the box are in the region
@@ -51,6 +69,11 @@ class GuideTree {
     [[nodiscard]] Vec3 sample(const Region& region, const Vec2& u) const;
     /// The density of sample() per steradian, for a unit direction as it is rounded.
     [[nodiscard]] Real density(const Region& region, const Vec3& direction) const;
+
+    /// Appends the tree to a record, in the byte order of this machine.
+    void append_record(std::string& bytes) const;
+    /// Returns the tree of a record, or nothing if the bytes are not a tree.
+    static std::optional<GuideTree> from_record(std::string_view bytes);
 
     [[nodiscard]] const std::vector<Region>& regions() const { return regions_; }
     [[nodiscard]] std::size_t node_count() const { return nodes_.size(); }
@@ -66,6 +89,8 @@ class GuideTree {
     struct Space {
         std::uint32_t first = 0, region = 0;  // first: 0 for a leaf
     };
+
+    [[nodiscard]] bool is_sound() const;
 
     Vec3 lower_, scale_, size_;
     std::vector<Space> space_;  // the first ones are the roots, one for each orientation

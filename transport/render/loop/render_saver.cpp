@@ -37,7 +37,10 @@ void RenderSaver::save(const RenderState& state) {
     position.statistics.render_seconds = state.seconds();
     writer_->wait();
     try {
-        writer_->start(make_checkpoint(identity_, position, state));
+        display::RecordFile record = make_checkpoint(identity_, position, state);
+        const TrainedGuide& guide = state.prepared.guide;
+        if (!state.prepared.job.bucket && guide.summary.samples > 0) record.add(guide_section) = guide.record();
+        writer_->start(std::move(record));
     } catch (const std::bad_alloc&) {
         writer_->fail(error_at({}, "not enough memory to copy the record for a checkpoint"));
     }

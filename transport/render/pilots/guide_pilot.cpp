@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "display/buffer/record_bytes.h"
 #include "display/services/processor.h"
 #include "display/services/split_mix.h"
 #include "display/services/thread_or_none.h"
@@ -22,10 +23,10 @@ namespace raylex::transport {
 namespace {
 
 constexpr int tile_side = 8;
-constexpr std::uint64_t paths_of_training = 1u << 21;
-constexpr std::uint64_t fewest_samples = 4;     // of a pixel: fewer do not show what pays
-constexpr std::uint64_t most_samples = 4096;    // of a pixel: all samples of a tile and a round are in memory
-constexpr std::uint64_t finds_of_region = 300;  // records with light, those of neighbours included
+constexpr std::uint64_t paths_of_training = 1u << 23;  // unless fewer are an eighth of the render
+constexpr std::uint64_t fewest_samples = 4;            // of a pixel: fewer do not show what pays
+constexpr std::uint64_t most_samples = 4096;           // of a pixel: all samples of a tile and a round are in memory
+constexpr std::uint64_t finds_of_region = 300;         // records with light, those of neighbours included
 constexpr std::size_t guide_bytes = std::size_t{64} << 20;  // sums of a round and the tree of the next included
 // Cost of a vertex whose direction the guide may draw, beside that of its ray, relative to a scattering ray
 // (pilot_cost()); measured on glass-fixtures and door-ajar.
@@ -64,6 +65,7 @@ class GuidePilot {
   private:
     [[nodiscard]] std::unique_ptr<Integrator> make_integrator(const DirectionSampler* directions);
     [[nodiscard]] std::uint32_t rounds() const;
+    [[nodiscard]] std::uint32_t last_in_time(std::uint32_t round, std::uint32_t last, double elapsed) const;
     /// False: the render has to end.
     bool follow(std::uint32_t round);
     void follow_tile(GuideTile& tile, GuideWorker& worker);
@@ -121,16 +123,16 @@ std::unique_ptr<Integrator> GuidePilot::make_integrator(const DirectionSampler* 
     return integrator;
 }
 
-/// Rounds after round 0; all rounds together take 2^rounds samples of each pixel. The number must not depend on the
-/// samples of the render: a shard, and a render that ends by its time, train to the same bits as the whole.
+/// Rounds after round 0; all rounds together take 2^rounds samples of each pixel. Without a requested number, the
+/// training takes at most an eighth of the samples of the whole render.
 std::uint32_t GuidePilot::rounds() const {
     const auto log2_below = [](std::uint64_t n) { return static_cast<std::uint32_t>(std::bit_width(n) - 1); };
     if (training_.request.samples > 0) return std::max(1u, log2_below(training_.request.samples));
     const std::uint64_t pixels =
         static_cast<std::uint64_t>(context_.view.width) * static_cast<std::uint64_t>(context_.view.height);
-    const std::uint64_t samples =
-        std::clamp<std::uint64_t>((paths_of_training + pixels / 2) / pixels, fewest_samples, most_samples);
-    return log2_below(samples);
+    const std::uint64_t most = training_.whole > 0 ? std::min(training_.whole / 8, most_samples) : most_samples;
+    const std::uint64_t samples = training_.seconds > 0 ? most : (paths_of_training + pixels / 2) / pixels;
+    return log2_below(std::clamp(samples, fewest_samples, std::max(fewest_samples, most)));
 }
 
 /// The weight of a tile is 1 over the square of its mean, but dark tiles do not count more than those of half the
@@ -293,7 +295,7 @@ double GuidePilot::gain() const {
 }
 
 void GuidePilot::refine(bool final) {
-    constexpr std::size_t bytes_of_node = 2 * sizeof(GuideTree::Node) + 4 * sizeof(std::uint64_t);
+    constexpr std::size_t bytes_of_node = 2 * sizeof(GuideTree::Node) + 4 * (sizeof(std::uint64_t) + sizeof(float));
     GuideLimits limits;
     limits.finds = finds_of_region;
     limits.nodes = guide_bytes / bytes_of_node;
@@ -324,16 +326,24 @@ void GuidePilot::summarize(TrainedGuide& trained) const {
         }
 }
 
+/// The last round if each takes twice the time of the one before, and the time is limited.
+std::uint32_t GuidePilot::last_in_time(std::uint32_t round, std::uint32_t last, double elapsed) const {
+    if (!(training_.seconds > 0)) return last;
+    for (; round < last && 2 * elapsed <= training_.seconds; elapsed *= 2) ++round;
+    return round;
+}
+
 TrainedGuide GuidePilot::run() {
     TrainedGuide trained;
     const Stopwatch watch;
-    const std::uint32_t last = rounds();
+    std::uint32_t last = rounds();
     const bool automatic = training_.request.mode == GuideMode::automatic;
     bool whole = follow(0), pays = true;
     for (std::uint32_t round = 1; whole && pays && round <= last; ++round) {
         weigh();
         whole = follow(round);
         if (!whole) break;
+        last = last_in_time(round, last, watch.wall());
         trained.summary.gain = gain();
         if (automatic && last - round < worthwhile_gains.size())
             pays = trained.summary.gain > worthwhile_gains[last - round];
@@ -348,11 +358,42 @@ TrainedGuide GuidePilot::run() {
     return trained;
 }
 
+template <class Visit, class Summary>
+void visit_summary(const Visit& visit, Summary& summary) {
+    visit(summary.samples), visit(summary.paths), visit(summary.regions), visit(summary.bytes);
+    visit(summary.guided), visit(summary.gain), visit(summary.used), visit(summary.cut);
+    visit(summary.seconds), visit(summary.cpu_seconds);
+}
+
 }  // namespace
+
+std::string TrainedGuide::record() const {
+    std::string bytes;
+    display::RecordWriter writer(bytes);
+    visit_summary([&](const auto& each) { writer.number(each); }, summary);
+    if (guide != nullptr) guide->tree().append_record(bytes);
+    return bytes;
+}
+
+std::optional<TrainedGuide> TrainedGuide::from_record(std::string_view bytes) {
+    TrainedGuide trained;
+    display::RecordReader reader(bytes);
+    visit_summary([&](auto& each) { each = reader.number<std::remove_reference_t<decltype(each)>>(); },
+                  trained.summary);
+    if (!trained.summary.used) return reader.at_end() ? std::optional(std::move(trained)) : std::nullopt;
+    auto tree = reader.ok() ? GuideTree::from_record(reader.rest()) : std::nullopt;
+    if (!tree) return std::nullopt;
+    trained.guide = std::make_unique<Guide>(*std::move(tree));
+    return trained;
+}
 
 TrainedGuide train_guide(const IntegratorContext& context, const GuideTraining& training) {
     if (training.request.mode == GuideMode::off || !training.request.make_trial || training.channels.empty() ||
         !context.takes_scattered_light())
+        return {};
+    // A short render cannot afford the samples that show whether a guide pays.
+    if (training.request.mode == GuideMode::automatic && training.request.samples == 0 && training.whole > 0 &&
+        training.whole < 8 * fewest_samples)
         return {};
     return GuidePilot(context, training).run();
 }

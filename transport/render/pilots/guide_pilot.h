@@ -5,7 +5,10 @@
 #include <atomic>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
+#include <string>
+#include <string_view>
 
 #include "transport/integrators/integrator.h"
 #include "transport/paths/guide/guide.h"
@@ -17,6 +20,9 @@ struct GuideTraining {
     GuideRequest request;
     std::span<const display::ChannelId> channels;  ///< whose light the guide looks for
     int threads = 1;
+    std::uint64_t whole = 0;  ///< samples of each pixel of the whole render; 0: unknown
+    /// Wall time that the training should take at most; 0: the samples alone count. Then no `whole` is given.
+    double seconds = 0;
     std::function<bool()> stopped;  ///< whether the render has to end; called a few times a second
 };
 
@@ -24,12 +30,16 @@ struct TrainedGuide {
     std::unique_ptr<const Guide> guide;  ///< null: closures draw all directions
     GuideSummary summary;
     std::uint64_t rays = 0;  ///< traced by the training
+
+    [[nodiscard]] std::string record() const;
+    /// Returns the guide of a record(), or nothing if the bytes are none.
+    static std::optional<TrainedGuide> from_record(std::string_view bytes);
 };
 
 /// Round 0 measures the means of small tiles and the cost of paths without a guide. Round r takes 2^(r - 1) samples of
 /// each pixel and refines the guide. No training sample is part of the image, so the image is unbiased whatever was
-/// learned. The guide depends on the scene, the seed, the channels and the samples of its training, and neither on
-/// threads nor on the samples of the render (Law 3). With GuideMode::automatic, it is used only if the forecast of
+/// learned. The guide depends on the scene, the seed, the channels and the samples of its training, and not on threads
+/// (Law 3). With GuideMode::automatic, it is used only if the forecast of
 /// variance x cost says that it pays, and the training ends early where it does not.
 TrainedGuide train_guide(const IntegratorContext& context, const GuideTraining& training);
 

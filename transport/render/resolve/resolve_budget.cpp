@@ -116,6 +116,8 @@ Result<Budget> resolve_budget(const SampleSettings& samples, const StopSettings&
     if (Status s = resolve_adaptive(stop, sampling.splat, chosen, channels, budget, warnings); !s) return s.error();
     if (Status s = resolve_limit(samples, stop, chosen, channels, budget); !s) return s.error();
     if (Status s = resolve_only(samples, sampling, chosen, budget); !s) return s.error();
+    const bool known = !budget.limit || (samples.per_pixel && !(budget.limit->seconds > 0));
+    budget.whole = samples.whole.value_or(known ? budget.samples_per_pixel : 0);
     return budget;
 }
 

@@ -54,6 +54,7 @@ struct JobChannels {
 struct Budget {
     std::uint64_t samples_per_pixel = 0;  ///< at most
     std::uint64_t first_sample = 0;       ///< of the shard
+    std::uint64_t whole = 0;              ///< samples of each pixel in all shards; 0: a limit will end the render
     std::optional<SampleLimit> limit;
     std::optional<display::AdaptiveSettings> adaptive;
     std::optional<SampleChoice> only;

@@ -191,6 +191,18 @@ display::RecordFile make_checkpoint(const RecordIdentity& identity, const Render
     return record;
 }
 
+Result<std::optional<TrainedGuide>> saved_guide(const ResolvedJob& job) {
+    std::optional<TrainedGuide> guide;
+    if (!job.checkpoint || !job.checkpoint->resume) return guide;
+    const auto record = display::RecordFileReader::open(job.checkpoint->file);
+    if (!record || !record->has(guide_section)) return guide;  // restore_checkpoint() names what is wrong with the file
+    const auto content = record->read(guide_section);
+    if (!content) return content.error();
+    guide = TrainedGuide::from_record(*content);
+    if (guide) return guide;
+    return resume_error(job.checkpoint->file, "cannot resume: the guide of the checkpoint is damaged", start_again);
+}
+
 Result<RenderPosition> restore_checkpoint(const CheckpointSettings& settings, const RecordIdentity& identity,
                                           RenderState& state) {
     const std::string& file = settings.file;

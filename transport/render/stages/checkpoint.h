@@ -12,17 +12,21 @@
 
 #include <atomic>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "display/checkpoint/record_file.h"
+#include "transport/render/pilots/guide_pilot.h"
 #include "transport/render/render_position.h"
 #include "transport/render/resolve/resolved_job.h"
 
 namespace raylex::transport {
 
 class RenderState;
+
+inline constexpr const char* guide_section = "guide";  ///< TrainedGuide::record()
 
 /// The fields that a record must match for this render to continue from it: the caller's fields, then the render's own.
 display::RecordIdentity render_identity(const ResolvedJob& job);
@@ -36,6 +40,9 @@ display::RecordFile make_checkpoint(const display::RecordIdentity& identity, con
 /// Fills the state's target, schedule and integrator from a record of this render, and returns its position. `file` is
 /// for errors.
 Result<RenderPosition> restore_record(const display::RecordFile& record, const std::string& file, RenderState& state);
+
+/// Reads the guide of the checkpoint from which a render continues; nothing if there is none.
+Result<std::optional<TrainedGuide>> saved_guide(const ResolvedJob& job);
 
 /// Reads the settings' file and calls restore_record(). Errors: no such file, damage, a file of another render (with
 /// all differences).

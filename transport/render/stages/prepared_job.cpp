@@ -5,10 +5,13 @@
 #include "display/services/channel_prefixes.h"
 #include "lpe/algebra/proofs/check.h"
 #include "transport/render/clock.h"
+#include "transport/render/stages/checkpoint.h"
 #include "transport/render/stages/render_worker.h"
 
 namespace raylex::transport {
 namespace {
+
+constexpr double guide_time_share = 1.0 / 6;  // of a time limit, for the training of a guide
 
 /// Whether a channel receives light without its path's throughput. The probability of paths then affects its values, so
 /// nothing may be pruned (Law 4). User events of surfaces are sampled in the same way.
@@ -54,27 +57,39 @@ IntegratorContext PreparedJob::context() const {
 }
 
 /// Learns directions, where the integrator asks for it. With a beauty it alone counts: what a guide learns, and so the
-/// image, depends on no other channel (Law 2).
-void PreparedJob::train(const Stopwatch& since_call, const std::atomic<bool>* stop) {
-    const std::vector<display::ChannelId> channels =
-        job.channels.beauty >= 0 ? std::vector{job.channels.beauty} : context().services.light_channels();
-    const double limit = job.budget.limit && job.budget.limit->seconds > 0 ? job.budget.limit->seconds : 0;
+/// image, depends on no other channel (Law 2). A resumed render has the guide of its checkpoint.
+Status PreparedJob::train(const Stopwatch& since_call, const std::atomic<bool>* stop) {
     GuideTraining training;
     training.request = job.integrator().guide_request();
+    if (training.request.mode == GuideMode::off) return success();
+    if (auto saved = saved_guide(job); !saved) return saved.error();
+    else if (*saved) {
+        guide = **std::move(saved);
+        return success();
+    }
+    if (const auto samples = job.settings.paths.guide_samples) {
+        training.request.mode = *samples > 0 ? GuideMode::on : GuideMode::off;
+        training.request.samples = *samples;
+    }
+    const std::vector<display::ChannelId> channels =
+        job.channels.beauty >= 0 ? std::vector{job.channels.beauty} : context().services.light_channels();
     training.channels = channels;
     training.threads = job.threads;
-    // Half of the time is for the image. All sessions of a render with checkpoints must have one guide, so there the
-    // training is not cut.
-    const double longest = job.checkpoint ? 0 : limit / 2;
-    training.stopped = [&since_call, stop, longest] {
+    training.whole = job.budget.whole;
+    const double limit = job.budget.limit ? job.budget.limit->seconds : 0;
+    if (training.request.samples == 0) training.seconds = guide_time_share * limit;
+    // Half of the time is for the image, whatever the training takes.
+    training.stopped = [&since_call, stop, limit] {
         return (stop != nullptr && stop->load(std::memory_order_relaxed)) ||
-               (longest > 0 && since_call.wall() > longest);
+               (limit > 0 && since_call.wall() > limit / 2);
     };
     guide = train_guide(context(), training);
-    if (guide.summary.cut && longest > 0 && since_call.wall() > longest)
+    if (guide.summary.cut && limit > 0 && since_call.wall() > limit / 2)
         job.warnings.push_back(
             error_at({}, "the guide took half of the time limit for its training, and is not used",
                      "expected a smaller 'guidesamples'; the integrator's guide = \"off\" renders the same bits"));
+    else if (guide.summary.cut) guide = {};  // the render ends too, and its next session trains again
+    return success();
 }
 
 Result<PreparedJob> PreparedJob::prepare(ResolvedJob resolved, const Stopwatch& since_call,
@@ -99,7 +114,7 @@ Result<PreparedJob> PreparedJob::prepare(ResolvedJob resolved, const Stopwatch& 
     prepared.paths = std::make_unique<const PlannedPaths>(
         job.settings.channels.takes.empty() ? make_path_plan(prepared.context(), job.integrator().plan_request())
                                             : PlannedPaths{});
-    prepared.train(since_call, stop);
+    if (Status s = prepared.train(since_call, stop); !s) return s.error();
     if (Status s = job.integrator().prepare(prepared.context()); !s) return s.error();
     for (Omission& omission : job.integrator().omissions())
         if (!omission.is_declared || job.settings.channels.takes.empty())

@@ -30,7 +30,7 @@ class PreparedJob {
     double seconds = 0, cpu_seconds = 0;  ///< of the preparation
 
   private:
-    void train(const Stopwatch& since_call, const std::atomic<bool>* stop);
+    Status train(const Stopwatch& since_call, const std::atomic<bool>* stop);
     explicit PreparedJob(ResolvedJob resolved) : job(std::move(resolved)) {}
 };
 

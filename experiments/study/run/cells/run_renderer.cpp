@@ -94,6 +94,7 @@ void apply_budget(const StudyRun& run, double seconds_per_sample, RenderOrder& o
         case BudgetKind::samples:
             order.samples = run.part_of.empty() ? static_cast<std::uint64_t>(run.budget) : run.end_sample;
             order.first_sample = run.first_sample;
+            order.whole = static_cast<std::uint64_t>(run.budget);
             break;
         case BudgetKind::seconds:
             order.limit = transport::SampleLimit{.seconds = run.budget, .seconds_per_sample = seconds_per_sample};
@@ -136,6 +137,7 @@ void take_results(const Rendered& rendered, StudyRun& run) {
     run.phases = rendered.phases;
     run.wall_seconds = rendered.seconds;
     run.cpu_seconds = rendered.cpu_seconds;
+    run.guide_samples = statistics.guide.repeated();
     run.rays = statistics.camera_rays + statistics.scattering_rays + statistics.shadow_rays;
     run.invalid_samples = statistics.invalid_samples;
     run.peak_memory_bytes = rendered.peak_memory_bytes;
@@ -310,6 +312,7 @@ Result<RenderedRun> render_run(const WorkContext& context, const PlannedRun& pla
 Result<Rendered> render_again(const WorkContext& context, const PlannedRun& planned, const StudyRun& done) {
     RenderOrder order{
         .scene = planned.scene, .variant = planned.variant, .samples = done.samples_per_pixel, .seed = done.seed};
+    if (done.budget_kind != BudgetKind::samples) order.guide_samples = done.guide_samples;
     return context.scenes.render(order, forward(context), context.stop);
 }
 

@@ -201,6 +201,8 @@ Result<Rendered> SceneStore::render(const RenderOrder& order,
     job.settings.samples.seed = order.seed;
     job.settings.stop.limit = order.limit;
     job.settings.samples.first = order.first_sample;
+    job.settings.samples.whole = order.whole;
+    job.settings.paths.guide_samples = order.guide_samples;
     if (order.checkpoint) {
         job.settings.checkpoint = order.checkpoint;
         job.settings.checkpoint->identity = checkpoint_identity(job, (*made)->loaded->color);

@@ -34,7 +34,9 @@ struct StudyScene {
 struct RenderOrder {
     std::size_t scene = 0, variant = 0;
     std::uint64_t samples = 0, seed = 0;
-    std::uint64_t first_sample = 0;  ///< above 0, or with fewer `samples` than the cell: a part of a cell
+    std::uint64_t first_sample = 0;                ///< above 0, or with fewer `samples` than the cell: a part of a cell
+    std::optional<std::uint64_t> whole{};          ///< transport::SampleSettings::whole
+    std::optional<std::uint32_t> guide_samples{};  ///< transport::PathSettings::guide_samples
     std::optional<transport::SampleLimit> limit{};
     std::optional<transport::CheckpointSettings> checkpoint{};  ///< without an identity, which is filled in
     const RunCloser* beside = nullptr;                          ///< runs at the same time; its CPU time is subtracted
