@@ -22,12 +22,10 @@ from passes import ROOT, pixels, run, squared_error
 
 def config_of(options, scene):
     budget = f"samples = [{options.spp}]" if options.spp else f"seconds = [{options.seconds}]"
-    methods = {"path": {}, "guided": {"guide": options.guide}, "bdpt": {}}
+    methods = {"path": '"path"', "guided": f'{{ type = "path", guide = "{options.guide}" }}', "bdpt": '"bdpt"'}
     text = [f'replicates = {options.seeds}\nthreads = 1\n[[scene]]\nname = "s"\nfile = {json.dumps(str(scene))}\n'
             f'resolution = {options.size}\n[budget]\n{budget}\n']
-    for name in options.methods:
-        settings = "".join(f"{key} = {json.dumps(value)}\n" for key, value in methods[name].items())
-        text.append(f'[[method]]\nname = "{name}"\nintegrator = "{"bdpt" if name == "bdpt" else "path"}"\n{settings}')
+    text += [f'[[method]]\nname = "{name}"\nintegrator = {methods[name]}\n' for name in options.methods]
     return "\n".join(text)
 
 

@@ -25,6 +25,9 @@ namespace {
 constexpr int tile_side = 8;
 constexpr std::uint64_t paths_of_training = 1u << 23;  // unless fewer are an eighth of the render
 constexpr std::uint64_t fewest_samples = 4;            // of a pixel: fewer do not show what pays
+// `auto` decides after an eighth of the training at the earliest, with two samples of each pixel, which cost as much as
+// six without training: 5 % of so many.
+constexpr std::uint64_t shortest_automatic = 128;
 constexpr std::uint64_t most_samples = 4096;           // of a pixel: all samples of a tile and a round are in memory
 constexpr std::uint64_t finds_of_region = 300;         // records with light, those of neighbours included
 constexpr std::size_t guide_bytes = std::size_t{64} << 20;  // sums of a round and the tree of the next included
@@ -391,9 +394,8 @@ TrainedGuide train_guide(const IntegratorContext& context, const GuideTraining& 
     if (training.request.mode == GuideMode::off || !training.request.make_trial || training.channels.empty() ||
         !context.takes_scattered_light())
         return {};
-    // A short render cannot afford the samples that show whether a guide pays.
     if (training.request.mode == GuideMode::automatic && training.request.samples == 0 && training.whole > 0 &&
-        training.whole < 8 * fewest_samples)
+        training.whole < shortest_automatic)
         return {};
     return GuidePilot(context, training).run();
 }
