@@ -41,6 +41,7 @@
 #include <vector>
 
 #include "display/services/registry.h"
+#include "transport/integrators/guide_request.h"
 #include "transport/integrators/integrator_parameters.h"
 #include "transport/paths/counters.h"
 #include "transport/paths/path_context.h"
@@ -123,16 +124,6 @@ struct PlanRequest {
     bool splits = false;             ///< paths may be split
     bool roulette = false;           ///< roulette may use the light that channels may still receive
     Real roulette_below = 0;         ///< WalkOptions::roulette_below; 0: no ray may be left out at random
-};
-
-/// Whether directions of paths are learned before the render (paths/guide/guide.h).
-enum class GuideMode : std::uint8_t { off, automatic, on };
-
-struct GuideRequest {
-    GuideMode mode = GuideMode::off;
-    std::uint32_t samples = 0;  ///< of each pixel for training; 0: by the samples or the time of the render
-    /// Makes an integrator that traces the paths of the training. The context of its prepare() has the guide.
-    std::function<std::unique_ptr<Integrator>()> make_trial;
 };
 
 class Integrator {

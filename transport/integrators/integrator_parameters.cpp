@@ -1,6 +1,7 @@
 #include "transport/integrators/integrator_parameters.h"
 
 #include <algorithm>
+#include <array>
 
 namespace raylex::transport {
 
@@ -59,6 +60,23 @@ DepthParameters read_depth_parameters(IntegratorParameters& read, std::optional<
 
 std::vector<ParameterDescription> describe_depth_parameters(const std::string& who) {
     return {describe_max_depth(), describe_roulette(who), describe_roulette_threshold()};
+}
+
+GuideRequest read_guide_parameters(IntegratorParameters& read) {
+    constexpr std::array<GuideMode, 3> modes{GuideMode::off, GuideMode::automatic, GuideMode::on};
+    GuideRequest request;
+    request.mode = modes[read.choice("guide", {"off", "auto", "on"}, 0)];
+    request.samples = static_cast<std::uint32_t>(read.integer("guidesamples", 0, 0, 4096));
+    return request;
+}
+
+std::vector<ParameterDescription> describe_guide_parameters() {
+    return {{"guide", ParameterType::string, "off",
+             "learn before the render where light comes from, and draw directions there: on; off; auto, where a "
+             "forecast shows that it pays"},
+            {"guidesamples", ParameterType::integer, "0",
+             "samples of each pixel from which the guide learns, rounded down to a power of 2, at least 2; 0: at most "
+             "an eighth of the samples or a sixth of the time limit, and at most 4096"}};
 }
 
 }  // namespace raylex::transport

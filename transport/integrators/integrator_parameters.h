@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "transport/integrators/guide_request.h"
 #include "transport/paths/subpath.h"
 #include "transport/scene/scene_description.h"
 #include "transport/textures/parameter_reader.h"
@@ -41,5 +42,9 @@ struct DepthParameters {
 };
 DepthParameters read_depth_parameters(IntegratorParameters& read, std::optional<std::int64_t> max_depth);
 std::vector<ParameterDescription> describe_depth_parameters(const std::string& who);
+
+/// The parameters of methods whose camera subpaths a guide may draw: guide, guidesamples. make_trial stays empty.
+GuideRequest read_guide_parameters(IntegratorParameters& read);
+std::vector<ParameterDescription> describe_guide_parameters();
 
 }  // namespace raylex::transport

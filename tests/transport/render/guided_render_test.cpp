@@ -13,9 +13,9 @@ transport::SceneEntity with_guide(transport::SceneEntity entity, const std::stri
     return entity;
 }
 
-transport::RenderSettings guided_settings(int samples, std::uint64_t per_pixel) {
+transport::RenderSettings guided_settings(int samples, std::uint64_t per_pixel, const std::string& method = "path") {
     transport::RenderSettings settings;
-    settings.paths.integrator = with_guide(integrator_named("path"), "on", samples);
+    settings.paths.integrator = with_guide(integrator_named(method), "on", samples);
     settings.samples.per_pixel = per_pixel;
     settings.machine.threads = 2;
     return settings;
@@ -54,7 +54,9 @@ TEST_CASE("in an enclosure guided paths find the light of every path string", "[
     const auto scene = transport::BuiltScene::build(scene_of(enclosure(kd, ks)));
     REQUIRE(scene.ok());
     const std::vector<EnclosurePathString> words = enclosure_path_strings(kd, ks, 8);
-    transport::RenderSettings settings = guided_settings(16, 256);
+    const std::string method = GENERATE("path", "bdpt");
+    CAPTURE(method);
+    transport::RenderSettings settings = guided_settings(16, method == "path" ? 256 : 32, method);
     settings.paths.max_depth = 8;
     // Beauty and the strings up to length 4 one by one, the longer ones by their number of reflections.
     std::vector<double> values{0};
@@ -89,9 +91,12 @@ TEST_CASE("guided paths estimate the image of paths that closures draw", "[guide
         transport::RenderSettings settings = guided_settings(32, 64);
         settings.channels.list = {lpe_channel("direct", "C.L"), lpe_channel("indirect", "C..+L")};
         const Replicates guided = replicates(**scene, settings, 3, 12, 500);
+        settings.paths.integrator = with_guide(integrator_named("bdpt"), "on", 32);
+        const Replicates bidirectional = replicates(**scene, settings, 3, 12, 900);
         settings.paths.integrator = integrator_named("path");
         const Replicates plain = replicates(**scene, settings, 3, 12, 100);
         check_agreement(plain, guided, {"beauty", "direct", "indirect"});
+        check_agreement(plain, bidirectional, {"beauty", "direct", "indirect"});
         CHECK(plain.mean(0) != guided.mean(0));
     }
 }

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 
+#include "transport/integrators/methods/path.h"
 #include "transport/paths/subpaths/direct_light.h"
 #include "transport/paths/subpaths/light_subpaths.h"
 
@@ -52,6 +53,16 @@ class Bdpt final : public Integrator {
         traits.saved_state = SavedState::none;
         traits.raster_splats = traits.pixel_samples = true;
         return traits;
+    }
+    /// A guide of camera subpaths learns from paths of `path`: other strategies change what is left for a direction to
+    /// find, but not where light comes from.
+    [[nodiscard]] GuideRequest guide_request() const override {
+        GuideRequest request = parameters_.guide;
+        PathParameters path;
+        path.max_depth = parameters_.depth.max_depth;
+        path.roulette_below = parameters_.depth.roulette_below;
+        request.make_trial = [path] { return make_path_integrator(path); };
+        return request;
     }
     Status prepare(const IntegratorContext& context) override {
         context_ = context;
@@ -273,6 +284,8 @@ Registry<IntegratorFactory>::Entry bdpt_entry() {
     described.push_back({"countmirrors", ParameterType::boolean, "true",
                          "false: ideal mirrors and glass that the camera sees first do not count towards maxdepth, so "
                          "that a mirror shows what is seen without it (pbrt's sppm)"});
+    const std::vector<ParameterDescription> guide = describe_guide_parameters();
+    described.insert(described.end(), guide.begin(), guide.end());
     return {
         "bdpt", "bidirectional path tracing: subpaths from camera and lights, connected at every vertex",
         std::move(described),
@@ -281,6 +294,7 @@ Registry<IntegratorFactory>::Entry bdpt_entry() {
             BdptParameters parameters;
             parameters.depth = read_depth_parameters(read, max_depth);
             parameters.count_mirrors = read.boolean("countmirrors", true);
+            parameters.guide = read_guide_parameters(read);
             if (read.error()) return *read.error();
             return make_bdpt_integrator(parameters);
         }};

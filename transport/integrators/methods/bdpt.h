@@ -28,12 +28,13 @@ struct BdptParameters {
     DepthParameters depth;
     std::uint32_t first_depth = 0;  ///< WalkOptions::first_depth (not a parameter)
     bool count_mirrors = true;      ///< WalkOptions::counts_first_specular
+    GuideRequest guide{};           ///< of camera subpaths; without make_trial
 };
 
 /// Makes the integrator for other integrators that use it.
 std::unique_ptr<Integrator> make_bdpt_integrator(const BdptParameters& parameters);
 
-/// The registry's entry: parameters maxdepth, countmirrors, roulette, rrthreshold.
+/// The registry's entry: parameters maxdepth, countmirrors, roulette, rrthreshold, guide, guidesamples.
 Registry<IntegratorFactory>::Entry bdpt_entry();
 
 }  // namespace raylex::transport

@@ -36,7 +36,9 @@ class PathIntegrator final : public Integrator {
     }
     [[nodiscard]] GuideRequest guide_request() const override {
         if (parameters_.max_depth == 0) return {};
-        return {parameters_.guide, parameters_.guide_samples, [p = parameters_] { return make_path_integrator(p); }};
+        GuideRequest request = parameters_.guide;
+        request.make_trial = [p = parameters_] { return make_path_integrator(p); };
+        return request;
     }
     Status prepare(const IntegratorContext& context) override {
         context_ = context;
@@ -101,9 +103,7 @@ Result<std::unique_ptr<Integrator>> make_path(const SceneEntity& entity, std::op
     // pbrt's "exhaustive" weighs every light one by one, for reference. Here it means bvh.
     constexpr std::array<LightSelection, 4> selections{LightSelection::power, LightSelection::uniform,
                                                        LightSelection::receiver, LightSelection::receiver};
-    constexpr std::array<GuideMode, 3> guides{GuideMode::off, GuideMode::automatic, GuideMode::on};
-    p.guide = guides[read.choice("guide", {"off", "auto", "on"}, 0)];
-    p.guide_samples = static_cast<std::uint32_t>(read.integer("guidesamples", 0, 0, 4096));
+    p.guide = read_guide_parameters(read);
     p.light_selection = selections[read.choice("lightsampler", {"power", "uniform", "bvh", "exhaustive"}, 2)];
     if (read.error()) return *read.error();
     return make_path_integrator(p);
@@ -117,32 +117,27 @@ std::unique_ptr<Integrator> make_path_integrator(const PathParameters& parameter
 
 Registry<IntegratorFactory>::Entry path_integrator_entry() {
     using T = ParameterType;
-    return {
-        "path",
-        "path tracing with light sampling, multiple importance sampling and Russian roulette",
-        {describe_max_depth(),
-         {"strategy", T::string, "mis", "how emitters are found: mis, light or scattering"},
-         describe_roulette("paths"),
-         describe_roulette_threshold(),
-         {"splits", T::boolean, "true",
-          "without beauty: follow several rays from a path's first diffuse or glossy vertex, and both lobes of "
-          "glass behind it, where trials before the render show that it pays"},
-         {"channelroulette", T::boolean, "true",
-          "without beauty: end paths at random by what the channels still expect of them, where trials before "
-          "the render show that it pays"},
-         {"regularize", T::boolean, "false",
-          "blur glossy and specular lobes behind a scattering that is not specular, as pbrt does: biased, and "
-          "caustics become easier to find"},
-         {"lightsampler", T::string, "bvh",
-          "how a light sample chooses its light: bvh, by what each light can send to the point where more than 32 "
-          "lights have a position, else by power; power; uniform; exhaustive of pbrt is bvh here"},
-         {"guide", T::string, "off",
-          "learn before the render where light comes from, and draw directions there: on; off; auto, where a "
-          "forecast shows that it pays"},
-         {"guidesamples", T::integer, "0",
-          "samples of each pixel from which the guide learns, rounded down to a power of 2, at least 2; 0: at "
-          "most an eighth of the samples or a sixth of the time limit, and at most 4096"}},
-        make_path};
+    std::vector<ParameterDescription> described{
+        describe_max_depth(),
+        {"strategy", T::string, "mis", "how emitters are found: mis, light or scattering"},
+        describe_roulette("paths"),
+        describe_roulette_threshold(),
+        {"splits", T::boolean, "true",
+         "without beauty: follow several rays from a path's first diffuse or glossy vertex, and both lobes of "
+         "glass behind it, where trials before the render show that it pays"},
+        {"channelroulette", T::boolean, "true",
+         "without beauty: end paths at random by what the channels still expect of them, where trials before "
+         "the render show that it pays"},
+        {"regularize", T::boolean, "false",
+         "blur glossy and specular lobes behind a scattering that is not specular, as pbrt does: biased, and "
+         "caustics become easier to find"},
+        {"lightsampler", T::string, "bvh",
+         "how a light sample chooses its light: bvh, by what each light can send to the point where more than 32 "
+         "lights have a position, else by power; power; uniform; exhaustive of pbrt is bvh here"}};
+    const std::vector<ParameterDescription> guide = describe_guide_parameters();
+    described.insert(described.end(), guide.begin(), guide.end());
+    return {"path", "path tracing with light sampling, multiple importance sampling and Russian roulette",
+            std::move(described), make_path};
 }
 
 }  // namespace raylex::transport

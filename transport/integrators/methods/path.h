@@ -18,8 +18,7 @@ struct PathParameters : WalkOptions {
     LightSelection light_selection = LightSelection::receiver;
     bool splits = true;            ///< without beauty: split paths where the plan finds a gain (strategy mis)
     bool channel_roulette = true;  ///< without beauty: roulette by what channels may still receive (strategy mis)
-    GuideMode guide = GuideMode::off;
-    std::uint32_t guide_samples = 0;  ///< GuideRequest::samples
+    GuideRequest guide{};          ///< without make_trial
 };
 
 /// Makes the integrator for other integrators that use it.
