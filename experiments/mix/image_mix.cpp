@@ -51,7 +51,7 @@ std::vector<LightSplit> splits_of(const ExrImage& image) {
     for (const display::PartitionDeclaration& partition : image.partitions) {
         LightSplit split{partition.name, image.layer(partition.of), {}, true, true, {}};
         for (const std::string& name : partition.layers) split.layers.push_back(image.layer(name));
-        if (split.of != nullptr && !split.has(nullptr)) splits.push_back(std::move(split));
+        if (split.of != nullptr && !split.layers.empty() && !split.has(nullptr)) splits.push_back(std::move(split));
     }
     if (!splits.empty()) return splits;
     for (const Preset& preset : presets()) {

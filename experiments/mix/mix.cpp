@@ -57,7 +57,7 @@ Result<ColorFactor> checked_factor(const std::string& name, const std::vector<do
                                    const SourceLocation& where) {
     bool good = numbers.size() == 1 || numbers.size() == 3;
     for (const double number : numbers) good = good && number >= 0 && std::isfinite(number);
-    if (!good) return error_at(where, "'" + text + "' is not a factor of '" + name + "'; " + std::string(factor_forms));
+    if (!good) return error_at(where, text + " is not a factor of '" + name + "'; " + std::string(factor_forms));
     return numbers.size() == 3 ? ColorFactor{name, {numbers[0], numbers[1], numbers[2]}, where}
                                : ColorFactor{name, {numbers[0], numbers[0], numbers[0]}, where};
 }
@@ -83,7 +83,7 @@ Result<ColorFactor> parse_factor(const std::string& text, const std::string& opt
         return error_at({option, 0, 0},
                         "'" + text + "' is not a name and its factor; expected NAME=FACTOR, such as key=1.5");
     const std::string value = text.substr(equals + 1), name = text.substr(0, equals);
-    return checked_factor(name, numbers_of(std::string_view(value)), value, {option, 0, 0});
+    return checked_factor(name, numbers_of(std::string_view(value)), "'" + value + "'", {option, 0, 0});
 }
 
 }  // namespace

@@ -43,6 +43,11 @@ void note_output(bool is_written) {
     if (!is_written && output_failure == 0) output_failure = errno;
 }
 
+void print_tinted(const std::string& text) {
+    if (lines_to_error_stream) std::fprintf(stderr, "%s\n", text.c_str());
+    else write_output(text + "\n");
+}
+
 }  // namespace
 
 void choose_color(ColorChoice choice) {
@@ -84,8 +89,7 @@ void print_note(const std::string& message) {
 }
 
 void print_line(const std::string& text) {
-    if (lines_to_error_stream) std::fprintf(stderr, "%s\n", text.c_str());
-    else write_output(text + "\n");
+    print_tinted(printable(text));
 }
 
 bool is_standard_output(const std::string& path) {
@@ -103,7 +107,7 @@ Status write_text(const std::string& path, const std::string& text) {
 }
 
 void print_result(const std::string& text, bool holds) {
-    print_line(tinted(text, holds ? Tint::good : Tint::bad, lines_to_error_stream));
+    print_tinted(tinted(printable(text), holds ? Tint::good : Tint::bad, lines_to_error_stream));
 }
 
 bool error_stream_is_terminal() {

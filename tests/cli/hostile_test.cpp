@@ -6,6 +6,7 @@
 #include <chrono>
 #include <thread>
 
+#include "../display/files.h"
 #include "experiments/program/work_lock.h"
 #include "support.h"
 #include "tests/support/paths.h"
@@ -269,6 +270,16 @@ TEST_CASE("a test of a lock does not take it", "[cli]") {
     REQUIRE(held);
     CHECK(experiments::WorkLock::is_held(file));
     CHECK_FALSE(experiments::WorkLock::take(file, "works"));
+}
+
+TEST_CASE("names of layers cannot control the terminal", "[cli][law7]") {
+    const Folder folder;
+    write_foreign(folder.path("odd.exr"), {{"R", Imf::FLOAT, {1}}, {"a\x1b[2J.Y", Imf::FLOAT, {-1}}}, 1, 1);
+    for (const std::string color : {"never", "always"}) {
+        const Outcome outcome = run_raylex(folder, "verify odd.exr --of beauty --sum 'a*' --color " + color);
+        CHECK(contains(outcome.out + outcome.err, "a?[2J"));
+        CHECK_FALSE(contains(outcome.out + outcome.err, "\x1b[2J"));
+    }
 }
 
 }  // namespace raylex::test

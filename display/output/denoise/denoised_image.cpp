@@ -7,6 +7,7 @@
 #include <set>
 
 #include "display/output/reader/exr_layers.h"
+#include "display/output/splits/split_check.h"
 #include "display/services/parameters.h"
 
 namespace raylex::display {
@@ -15,6 +16,7 @@ namespace {
 
 constexpr const char* denoised_attribute = "raylex/denoised";
 constexpr std::array statistic_suffixes{"_mse", "_even", "_odd", "_variance"};
+constexpr float largest_denoised = 1e15f;  ///< squares of larger values are no floats
 
 std::string name_in_text(const std::string& name) {
     return name.empty() ? "beauty" : name;
@@ -101,8 +103,8 @@ class ImageDenoiser {
             return image_error(image_, "the image is denoised already; expected the noisy one");
         choose_features();
         choose_layers();
-        for (Status (ImageDenoiser::*step)() :
-             {&ImageDenoiser::check_layers, &ImageDenoiser::read_sums, &ImageDenoiser::take_planes})
+        for (Status (ImageDenoiser::*step)() : {&ImageDenoiser::check_layers, &ImageDenoiser::read_sums,
+                                                &ImageDenoiser::check_sums, &ImageDenoiser::take_planes})
             if (Status done = (this->*step)(); !done) return std::move(done).error();
         const std::vector<LayerError> errors = denoise(noisy_, options_.threads);
         for (std::size_t i = 0; i < chosen_.size(); ++i) result_.layers.push_back({names_[i], errors[i]});
@@ -169,10 +171,10 @@ class ImageDenoiser {
             const ImageLayer& layer = image_.layers[chosen_[i]];
             if (!names.insert(names_[i]).second)
                 return image_error(image_, "two layers are called '" + names_[i] + "'; expected one of each name");
-            if (image_.layer(names_[i] + "_error") != nullptr)
-                return image_error(image_, "the layer '" + names_[i] +
-                                               "_error' exists; expected no layer of the name "
-                                               "that the estimated error gets");
+            for (const std::string& added : {names_[i] + "_error", names_[i] + "_noisy"})
+                if (image_.layer(added) != nullptr && (options_.keep_noisy || added.ends_with("_error")))
+                    return image_error(image_, "the layer '" + added +
+                                                   "' exists; expected no layer of the name that a new layer gets");
             for (const ImagePlane& plane : std::span(layer.planes).first(3))
                 if (!image_.partitions.empty() &&
                     (plane.stored != StoredType::single_float || plane.loss != PlaneLoss::none))
@@ -207,6 +209,22 @@ class ImageDenoiser {
         return success();
     }
 
+    /// Refuses layers that do not sum. After denoising they would, and hide the missing light.
+    Status check_sums() {
+        for (const ExrImage* image : {static_cast<const ExrImage*>(&image_), second_}) {
+            if (image == nullptr) continue;
+            const auto results = check_declared_splits(*image);
+            if (!results) return results.error();
+            for (const SplitResult& result : *results)
+                if (result.exceeding > 0)
+                    return image_error(*image,
+                                       "the layers of partition '" + result.partition + "' do not sum to '" +
+                                           name_in_text(result.of) + "'; expected layers that sum",
+                                       "raylex verify shows where");
+        }
+        return success();
+    }
+
     /// The pixels inside the data window.
     [[nodiscard]] std::vector<float> inside(std::vector<float> plane) const {
         if (!image_.data_window) return plane;
@@ -227,6 +245,14 @@ class ImageDenoiser {
         return plane;
     }
 
+    /// Statistics take half of the memory, and are left out of the result.
+    void free_statistics(const ImageLayer& of) {
+        for (ImageLayer& layer : image_.layers)
+            for (const char* suffix : {"_mse", "_even", "_odd"})
+                if (statistics_.statistic(of, suffix) == &layer)
+                    for (ImagePlane& plane : layer.planes) plane.values = std::vector<float>();
+    }
+
     /// Moves the planes of the chosen layers, and copies those of features.
     Status take_planes() {
         region_ = image_.data_window.value_or(PixelRegion{0, 0, image_.width, image_.height});
@@ -236,8 +262,8 @@ class ImageDenoiser {
             for (std::size_t p = 0; p < 3; ++p) {
                 FilterFeature feature{layer->planes[p].values, {}};
                 if (statistics_.has(*layer)) feature.variance = statistics_.variance(*layer, p, feature.values);
-                for (std::vector<float>* plane : {&feature.values, &feature.variance})
-                    for (float& value : *plane) value = std::isfinite(value) ? value : 0.0f;
+                for (float& value : feature.values) value = std::abs(value) <= largest_denoised ? value : 0.0f;
+                for (float& value : feature.variance) value = value >= 0 && value <= largest_denoised ? value : 0.0f;
                 feature.values = inside(std::move(feature.values));
                 if (!feature.variance.empty()) feature.variance = inside(std::move(feature.variance));
                 noisy_.features.push_back(std::move(feature));
@@ -248,15 +274,16 @@ class ImageDenoiser {
             for (std::size_t p = 0; p < 3; ++p) {
                 std::vector<float>& values = layer.planes[p].values;
                 noisy.variance[p] = inside(statistics_.variance(layer, p, values));
-                // Squares of larger values are no floats.
-                constexpr float most = 1e15f;
-                if (!std::ranges::all_of(values, [](float value) { return std::abs(value) <= most; }) ||
-                    !std::ranges::all_of(noisy.variance[p], [](float v) { return v >= 0 && v <= most * most; }))
-                    return image_error(image_, "the layer '" + name_in_text(layer.name) +
-                                                   "' has values that are not finite or above 1e15, or a negative "
-                                                   "variance; expected none");
+                constexpr float most = largest_denoised * largest_denoised;
+                if (!std::ranges::all_of(values, [](float value) { return std::abs(value) <= largest_denoised; }) ||
+                    !std::ranges::all_of(noisy.variance[p], [](float v) { return v >= 0 && v <= most; }))
+                    return image_error(image_, "the layer '" + names_[noisy_.layers.size() - 1] + "' has values" +
+                                                   (second_ == nullptr ? "" : ", here or in " + second_->path + ",") +
+                                                   " that are not finite or above 1e15, or a negative variance; "
+                                                   "expected none");
                 noisy.values[p] = options_.keep_noisy ? inside(values) : inside(std::move(values));
             }
+            if (!options_.keep_noisy) free_statistics(layer);
         }
         const auto is_zero = [](const std::vector<float>& plane) {
             return std::ranges::all_of(plane, [](float value) { return value == 0; });
@@ -300,7 +327,7 @@ class ImageDenoiser {
         if (!options_.keep_noisy)
             std::erase_if(image_.layers, [&](ImageLayer& layer) {
                 if (!obsolete.contains(layer.name)) return false;
-                for (ImagePlane& plane : layer.planes) plane.values = {};
+                for (ImagePlane& plane : layer.planes) plane.values = std::vector<float>();
                 result_.removed.push_back(layer);
                 return true;
             });
@@ -347,6 +374,7 @@ Result<DenoisedImage> denoise_image(ExrImage& image, const DenoiseOptions& optio
     if (options.second.empty()) return ImageDenoiser(image, nullptr, options).run();
     auto second = read_exr(options.second);
     if (!second) return second.error();
+    second->partitions = image.partitions;  // the mean of two images sums if both do
     return ImageDenoiser(image, &*second, options).run();
 }
 

@@ -44,10 +44,11 @@ void print_lines(const std::vector<LineResult>& lines) {
             print_line("  not applicable: " + line.note);
             continue;
         }
-        print_line("  " + column(line.setting, 34, false) + column(number_text(line.expected, 7), 12) +
-                   column(number_text(line.measured, 7), 12) + column(line.error_text(), 12) +
-                   column(line.tolerance, 14) + tinted(name_of(line.result), holds ? Tint::good : Tint::bad, false) +
-                   (line.note.empty() ? "" : "  " + line.note));
+        print_result("  " + column(line.setting, 34, false) + column(number_text(line.expected, 7), 12) +
+                         column(number_text(line.measured, 7), 12) + column(line.error_text(), 12) +
+                         column(line.tolerance, 14) + name_of(line.result) +
+                         (line.note.empty() ? "" : "  " + line.note),
+                     holds);
     }
 }
 

@@ -8,6 +8,9 @@
 namespace raylex::experiments {
 
 Status add_denoiser_inputs(const ScenePathStrings& scene, ChannelPlan& plan, Job& job) {
+    if (!job.outputs.denoise && job.outputs.keep_noisy)
+        return error_at({"--keep-noisy", 0, 0},
+                        "--keep-noisy keeps the noisy layers of a denoised image; expected --denoise with it");
     if (!job.outputs.denoise) return success();
     const auto refuse = [](const std::string& what) { return error_at({"--denoise", 0, 0}, "--denoise " + what); };
     if (!job.outputs.filters.empty()) return refuse("needs light whose variance is known; expected no display filter");

@@ -39,7 +39,7 @@ Image::Image(display::ExrImage image) : description_(std::move(image)) {
         if (coverage) add(i, alpha_of(layer.name), {3});
     }
     for (display::ImageLayer& layer : description_.layers)
-        for (display::ImagePlane& plane : layer.planes) plane.values = {};
+        for (display::ImagePlane& plane : layer.planes) plane.values = std::vector<float>();
 }
 
 void Image::add(std::size_t layer, std::string name, std::vector<std::size_t> planes) {
