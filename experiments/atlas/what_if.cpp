@@ -7,6 +7,7 @@
 #include <set>
 #include <string_view>
 
+#include "display/output/reader/exr_layers.h"
 #include "experiments/atlas/path_string_answers.h"
 
 namespace raylex::experiments {
@@ -39,12 +40,6 @@ std::optional<bool> selects(std::string_view selector, const lpe::Event& event) 
     if (selector == "G") return good && event.scatter == Scatter::glossy;
     if (selector == "S") return good && (event.scatter == Scatter::glossy || event.scatter == Scatter::singular);
     return std::nullopt;
-}
-
-std::string listed(const std::set<std::string>& names) {
-    std::string text;
-    for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-    return text.empty() ? "(none)" : text;
 }
 
 /// The least and the largest factor of a letter, or of a path string.
@@ -162,7 +157,8 @@ class EventFactors {
         }
         if (!lobe.empty() && !by_name && !by_selector)
             return error_at(color.where, "'" + color.name + "': object '" + object + "' has no lobe '" + lobe +
-                                             "'; expected one of its lobes, " + listed(names) +
+                                             "'; expected one of its lobes, " +
+                                             display::list_names({names.begin(), names.end()}) +
                                              ", or D, G, S, R, T, V, with R or T before D, G and S");
         const auto chosen = [&](const lpe::Event& event) {
             return of_object(event) &&
@@ -205,7 +201,8 @@ class EventFactors {
     static Status unknown(const ColorFactor& factor, const std::string& kind, const std::set<std::string>& names,
                           const std::string& reason) {
         return error_at(factor.where,
-                        "unknown " + kind + " '" + factor.name + "', " + reason + "; expected one of: " + listed(names),
+                        "unknown " + kind + " '" + factor.name + "', " + reason +
+                            "; expected one of: " + display::list_names({names.begin(), names.end()}),
                         near_miss(factor.name, {names.begin(), names.end()}));
     }
 

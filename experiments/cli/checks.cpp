@@ -1,5 +1,6 @@
 #include "experiments/cli/checks.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <string_view>
 
@@ -7,6 +8,7 @@
 #include "display/output/comparison/comparison.h"
 #include "display/output/reader/exr_reader.h"
 #include "display/output/splits/stored_precision.h"
+#include "display/services/parameters.h"
 #include "experiments/program/console.h"
 #include "experiments/program/exit_codes.h"
 #include "experiments/program/tint.h"
@@ -68,8 +70,9 @@ std::string allowance_text(const display::SplitResult& result) {
 
 fs::path residual_map_path(const display::SplitResult& result, const display::ExrImage& image) {
     const fs::path source(image.path);
-    return source.parent_path() /
-           (source.stem().string() + "." + (result.partition.empty() ? "sum" : result.partition) + ".residual.png");
+    std::string name = result.partition.empty() ? "sum" : result.partition;
+    std::replace(name.begin(), name.end(), '/', '_');
+    return source.parent_path() / (source.stem().string() + "." + name + ".residual.png");
 }
 
 /// The path of the image of unassigned light beside a residual map.
@@ -203,6 +206,17 @@ int report_atlas_check(display::AtlasFile& file) {
     const auto pixels = static_cast<std::uint64_t>(file.width()) * static_cast<std::uint64_t>(file.height());
     print_result(file.path() + ": " + atlas_line(*result, pixels), result->holds);
     return result->holds ? exit_holds : exit_does_not_hold;
+}
+
+Status check_new_exr(const std::string& output, std::span<const std::string> inputs) {
+    if (fs::path(output).extension() != ".exr")
+        return error_at({}, "the output '" + output + "' does not end in .exr; expected an OpenEXR file name");
+    for (const std::string& input : inputs) {
+        std::error_code failed;
+        if (!input.empty() && (input == output || fs::equivalent(input, output, failed)))
+            return error_at({}, "'" + input + "' is an input and would be overwritten; expected a different file");
+    }
+    return display::check_writable(output);
 }
 
 int check_new_image(const std::string& path) {

@@ -39,6 +39,8 @@ std::string write_residual_map(const display::SplitResult& result, const display
 /// Prints the results for a new image, one line each, and writes a residual map for each failed check. Where a check
 /// holds, it removes the map that an earlier image of this name left. Returns whether all checks hold.
 bool print_results_of_new(std::span<const display::SplitResult> results, const display::ExrImage& image);
+/// Returns an error if `output` does not end in .exr, is one of `inputs`, or cannot be written.
+Status check_new_exr(const std::string& output, std::span<const std::string> inputs = {});
 /// Checks the partitions of a new file as read back from disk, prints the results and returns the exit code.
 int check_new_image(const std::string& path);
 

@@ -15,6 +15,7 @@
 #include "display/output/atlas/packed_rows.h"
 #include "display/output/reader/exr_guard.h"
 #include "display/output/writer/exr_header.h"
+#include "display/services/parameters.h"
 
 namespace raylex::display {
 namespace {
@@ -27,17 +28,10 @@ std::map<std::string, std::string> header_strings(const Imf::Header& header) {
     return strings;
 }
 
-Error atlas_error(const std::string& path, const std::string& message) {
-    Error error;
-    error.file = path;
-    error.message = message;
-    return error;
-}
-
 Error no_atlas(const std::string& path) {
-    return atlas_error(path,
-                       "not a path atlas; expected parts 'rgba', 'words' and 'parts', as raylex render "
-                       "--atlas writes them");
+    return error_at({path, 0, 0},
+                    "not a path atlas; expected parts 'rgba', 'words' and 'parts', as raylex render "
+                    "--atlas writes them");
 }
 
 int part_named(const Imf::MultiPartInputFile& file, const char* name, bool deep) {
@@ -106,7 +100,7 @@ struct AtlasFile::Impl {
     Status take_parts(const AtlasRowPlanes& from, AtlasRow& row) const;
     void take_flat(const AtlasRowPlanes& from, AtlasRow& row) const;
     [[nodiscard]] Error damaged(const std::string& what) const {
-        return atlas_error(path, "the atlas is truncated or damaged: " + what);
+        return error_at({path, 0, 0}, "the atlas is truncated or damaged: " + what);
     }
 
     std::string path;
@@ -204,7 +198,7 @@ Result<std::unique_ptr<AtlasFile>> AtlasFile::open(const std::string& path) {
         read_description(*headers[0], impl->description);
         return std::unique_ptr<AtlasFile>(new AtlasFile(std::move(impl)));
     } catch (const std::exception& exception) {
-        return atlas_error(path, std::string("cannot read the atlas: ") + exception.what());
+        return error_at({path, 0, 0}, std::string("cannot read the atlas: ") + exception.what());
     }
 }
 

@@ -4,6 +4,7 @@
 #include <set>
 #include <string_view>
 
+#include "display/services/parameters.h"
 #include "lpe/language/prefixes.h"
 #include "lpe/match.h"
 
@@ -13,10 +14,8 @@ namespace {
 constexpr const char* table_version = "2";
 
 Error damaged_table(const std::string& path, const std::string& what) {
-    Error error;
-    error.file = path;
-    error.message = "the atlas's header is damaged: " + what + "; expected an atlas as raylex render --atlas writes it";
-    return error;
+    return error_at({path, 0, 0}, "the atlas's header is damaged: " + what +
+                                      "; expected an atlas as raylex render --atlas writes it");
 }
 
 /// Reads numbers separated by blanks; `*` is PathAlphabet::open.

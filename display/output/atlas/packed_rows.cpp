@@ -1,5 +1,7 @@
 #include "display/output/atlas/packed_rows.h"
 
+#include "display/services/parameters.h"
+
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
@@ -17,15 +19,8 @@ namespace {
 /// technical details), run-length coding 64.
 constexpr std::uint64_t most_row_bytes = std::uint64_t{1} << 30, most_packing = 1032;
 
-Error row_error(const std::string& path, const std::string& message) {
-    Error error;
-    error.file = path;
-    error.message = message;
-    return error;
-}
-
 Error damaged(const std::string& path, const std::string& what) {
-    return row_error(path, "the file is truncated or damaged: " + what);
+    return error_at({path, 0, 0}, "the file is truncated or damaged: " + what);
 }
 
 /// Suppresses OpenEXR's messages: results carry the errors, and this file reports them.
@@ -110,13 +105,13 @@ Status PackedRows::Impl::find_channels() {
         exr_get_scanlines_per_chunk(context, part, &lines) != EXR_ERR_SUCCESS)
         return damaged(path, "its header cannot be read");
     if (lines != 1)
-        return row_error(path, "its rows are packed " + std::to_string(lines) +
-                                   " together; expected each by itself, as raylex writes them (rle or zips)");
+        return error_at({path, 0, 0}, "its rows are packed " + std::to_string(lines) +
+                                          " together; expected each by itself, as raylex writes them (rle or zips)");
     deep = storage == EXR_STORAGE_DEEP_SCANLINE;
     packed = compression != EXR_COMPRESSION_NONE;
     // OpenEXR 3.1.5's core rejects the counts of such rows as damaged, although they are correct.
     if (deep && !packed)
-        return row_error(path, "its deep rows are not packed; expected rle, as raylex writes them, or zips");
+        return error_at({path, 0, 0}, "its deep rows are not packed; expected rle, as raylex writes them, or zips");
     width = static_cast<std::size_t>(std::int64_t{window.max.x} - window.min.x + 1);
     first = window.min.y;
     last = window.max.y;
@@ -152,8 +147,9 @@ Result<std::shared_ptr<const PackedRows::File>> PackedRows::open_file(const std:
     how.error_handler_fn = say_nothing;
     how.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
     const exr_result_t result = exr_start_read(&file->context, path.c_str(), &how);
-    if (result == EXR_ERR_FILE_ACCESS) return row_error(path, std::string("cannot be opened: ") + std::strerror(errno));
-    if (result == EXR_ERR_OUT_OF_MEMORY) return row_error(path, "not enough memory for its header");
+    if (result == EXR_ERR_FILE_ACCESS)
+        return error_at({path, 0, 0}, std::string("cannot be opened: ") + std::strerror(errno));
+    if (result == EXR_ERR_OUT_OF_MEMORY) return error_at({path, 0, 0}, "not enough memory for its header");
     if (result != EXR_ERR_SUCCESS) return damaged(path, exr_get_default_error_message(result));
     return std::shared_ptr<const File>(std::move(file));
 }

@@ -5,10 +5,8 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <sstream>
-#include <thread>
 
 #include <OpenColorIO/OpenColorIO.h>
 
@@ -87,23 +85,6 @@ std::optional<Matrix3> as_matrix(const ocio::ConstProcessorRcPtr& processor) {
                 return std::nullopt;
     }
     return matrix;
-}
-
-// Runs `part(first, last)` over [0, count) on as many threads as are worthwhile: ACES views take about 0.2 s per
-// megapixel.
-void in_parallel(std::size_t count, const std::function<void(std::size_t, std::size_t)>& part) {
-    const std::size_t worthwhile = count / 65536 + 1;
-    const std::size_t threads = std::min<std::size_t>(std::max(1u, std::thread::hardware_concurrency()), worthwhile);
-    std::vector<std::thread> others;
-    for (std::size_t i = 1; i < threads; ++i) {
-        const auto work = [&, i] { part(count * i / threads, count * (i + 1) / threads); };
-        others.push_back(thread_or_none(work));
-        if (others.back().joinable()) continue;
-        others.pop_back();
-        work();
-    }
-    part(0, count / threads);
-    for (std::thread& each : others) each.join();
 }
 
 }  // namespace
@@ -421,9 +402,11 @@ Result<std::vector<unsigned char>> ColorManager::to_display(std::span<const floa
         const auto processor = config_->config->getProcessor(transform)->getOptimizedCPUProcessor(
             ocio::BIT_DEPTH_F32, ocio::BIT_DEPTH_UINT8, ocio::OPTIMIZATION_DEFAULT);
 
-        const std::size_t pixels = rgb.size() / 3;
+        const std::size_t pixels = rgb.size() / 3, parts = pixels / 65536 + 1;
         std::vector<unsigned char> result(pixels * 3);
-        in_parallel(pixels, [&](std::size_t first, std::size_t last) {
+        // ACES views take about 0.2 s per megapixel, so small images get one thread.
+        on_threads(parts, 0, [&](std::size_t part) {
+            const std::size_t first = pixels * part / parts, last = pixels * (part + 1) / parts;
             constexpr std::size_t strip = 4096;  // pixels; the copy stays in the cache
             std::vector<float> linear(std::min(strip, last - first) * 3);
             for (std::size_t begin = first; begin < last; begin += strip) {

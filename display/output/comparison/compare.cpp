@@ -8,24 +8,18 @@
 #include "display/output/comparison/comparison.h"
 #include "display/output/metrics/error_terms.h"
 #include "display/output/splits/split_check.h"
+#include "display/services/parameters.h"
 
 namespace raylex::display {
 
 namespace {
 
-Error compare_error(const std::string& file, const std::string& message) {
-    Error error;
-    error.file = file;
-    error.message = message;
-    return error;
-}
-
 Result<const ImageLayer*> comparable_layer(const ExrImage& image, const std::string& layer) {
     Result<const ImageLayer*> found = image.require_layer(layer);
     if (!found || (*found)->triple()[0] != nullptr) return found;
-    return compare_error(image.path, "layer '" + layer + "' cannot be compared: its " +
-                                         std::to_string((*found)->planes.size()) +
-                                         " channels are neither R G B nor X Y Z nor a single one");
+    return error_at({image.path, 0, 0}, "layer '" + layer + "' cannot be compared: its " +
+                                            std::to_string((*found)->planes.size()) +
+                                            " channels are neither R G B nor X Y Z nor a single one");
 }
 
 /// Counts the values that are not finite, because metrics of values exclude them. If `equal_allowed`, infinities that
@@ -93,12 +87,12 @@ Result<AnyMetric> require_metric(const std::string& name, const SourceLocation& 
 
 Result<LayerPair> LayerPair::make(const ExrImage& image, const ExrImage& reference, const std::string& layer) {
     if (image.width != reference.width || image.height != reference.height)
-        return compare_error(image.path, "the image has " + std::to_string(image.width) + " x " +
-                                             std::to_string(image.height) + " pixels; expected " +
-                                             std::to_string(reference.width) + " x " +
-                                             std::to_string(reference.height) + " as in " + reference.path);
+        return error_at({image.path, 0, 0}, "the image has " + std::to_string(image.width) + " x " +
+                                                std::to_string(image.height) + " pixels; expected " +
+                                                std::to_string(reference.width) + " x " +
+                                                std::to_string(reference.height) + " as in " + reference.path);
     if (image.width <= 0 || image.height <= 0)
-        return compare_error(image.path, "the image has no pixels; expected at least one");
+        return error_at({image.path, 0, 0}, "the image has no pixels; expected at least one");
     const Result<const ImageLayer*> a = comparable_layer(image, layer), b = comparable_layer(reference, layer);
     if (!a) return a.error();
     if (!b) return b.error();
@@ -122,8 +116,8 @@ Result<LayerPair> LayerPair::make(const ExrImage& image, const ExrImage& referen
 
 Result<LayerPair::Values> LayerPair::values_of(char component) const {
     if (std::string_view("RGBYA").find(component) == std::string_view::npos)
-        return compare_error(image_path_,
-                             std::string("unknown component '") + component + "'; expected R, G, B, Y or A");
+        return error_at({image_path_, 0, 0},
+                        std::string("unknown component '") + component + "'; expected R, G, B, Y or A");
     if (component == 'A') return Values{image_, reference_, 3};
     Values values;
     const std::size_t index = component == 'G' || (component == 'Y' && !color_ && !single_) ? 1
@@ -147,9 +141,9 @@ std::optional<Error> LayerPair::not_finite(const std::string& metric, const Valu
                       of_reference = count_not_finite(values.reference, values.image, equal_allowed);
     if (of_image == 0 && of_reference == 0) return std::nullopt;
     const std::string& bad = of_reference == 0 ? image_path_ : reference_path_;
-    return compare_error(bad, metric + " of layer '" + layer_ +
-                                  "' has no value: " + std::to_string(of_reference == 0 ? of_image : of_reference) +
-                                  " of its " + std::to_string(values.image.size()) + " values are inf or nan");
+    return error_at({bad, 0, 0}, metric + " of layer '" + layer_ +
+                                     "' has no value: " + std::to_string(of_reference == 0 ? of_image : of_reference) +
+                                     " of its " + std::to_string(values.image.size()) + " values are inf or nan");
 }
 
 Result<double> LayerPair::value(const AnyMetric& metric, char component) const {
@@ -165,22 +159,22 @@ Result<double> LayerPair::value(const AnyMetric& metric, char component) const {
     if (!std::isnan(value) && !(ratio && !std::isfinite(value))) return value;
     if (auto why = not_finite(metric.name, *values, true)) return std::move(*why);
     if (ratio) {
-        Error error = compare_error(reference_path_, "there is no ratio " + metric.formula + ": the mean of '" +
-                                                         layer_ + "' is 0 in this reference");
+        Error error = error_at({reference_path_, 0, 0}, "there is no ratio " + metric.formula + ": the mean of '" +
+                                                            layer_ + "' is 0 in this reference");
         error.hint = "metrics of differences, such as mae, have a value for black layers too";
         return error;
     }
-    return compare_error(reference_path_,
-                         metric.name + " of layer '" + layer_ + "' has no value: its values are inf or nan");
+    return error_at({reference_path_, 0, 0},
+                    metric.name + " of layer '" + layer_ + "' has no value: its values are inf or nan");
 }
 
 Result<ImageErrors> LayerPair::look(const AnyMetric& metric, char component) const {
     if (component != 'A')
-        return compare_error(image_path_, metric.name + " needs whole colours, not component " +
-                                              std::string(1, component) + "; expected no --channel with it");
+        return error_at({image_path_, 0, 0}, metric.name + " needs whole colours, not component " +
+                                                 std::string(1, component) + "; expected no --channel with it");
     if (!color_ && !single_)
-        return compare_error(image_path_, metric.name + " needs colours, and layer '" + layer_ +
-                                              "' has none; expected a layer of R G B, or of a single channel");
+        return error_at({image_path_, 0, 0}, metric.name + " needs colours, and layer '" + layer_ +
+                                                 "' has none; expected a layer of R G B, or of a single channel");
     if (auto why = not_finite(metric.name, {image_, reference_, 3}, false)) return std::move(*why);
     const Chromaticities from = color_ ? primaries_ : rec709_primaries();
     return measure_image(*metric.of_image, in_rec709(width_, height_, image_, from),
@@ -195,9 +189,9 @@ Result<ImageErrors> LayerPair::errors(const AnyMetric& metric, char component) c
     if (!values) return values.error();
     const std::vector<double> terms = error_terms(*metric.of_values, values->image, values->reference);
     if (terms.empty())
-        return compare_error(
-            image_path_, metric.name + " is " + metric.formula +
-                             ", which is not defined for single pixels; expected another metric for an error image");
+        return error_at({image_path_, 0, 0},
+                        metric.name + " is " + metric.formula +
+                            ", which is not defined for single pixels; expected another metric for an error image");
     ImageErrors result;
     result.value = *number;
     for (std::size_t i = 0; i < terms.size(); i += values->per_pixel) {

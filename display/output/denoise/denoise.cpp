@@ -1,9 +1,7 @@
 #include "display/output/denoise/denoise.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <thread>
 #include <utility>
 
 #include "display/buffer/pixel_image.h"
@@ -21,22 +19,6 @@ constexpr int tile_size = 64;
 /// 95 % reaches from the estimate divided by `least_error` to the estimate times `most_error`. Both were measured
 /// (experiments/bench/denoising.py).
 constexpr double missed_error = 1.6, least_error = 16, most_error = 6;
-
-/// Runs `work` for 0 to count - 1 on threads, each number once.
-template <class Work>
-void on_threads(std::size_t count, int threads, const Work& work) {
-    std::atomic<std::size_t> next{0};
-    const auto run = [&] {
-        for (std::size_t i; (i = next.fetch_add(1)) < count;) work(i);
-    };
-    const std::size_t cores =
-        threads > 0 ? static_cast<std::size_t>(threads) : std::max(1u, std::thread::hardware_concurrency());
-    std::vector<std::thread> others(std::max<std::size_t>(1, std::min(cores, count)) - 1);
-    for (std::thread& each : others) each = thread_or_none(run);
-    run();
-    for (std::thread& each : others)
-        if (each.joinable()) each.join();
-}
 
 /// The result for one tile: of each layer three planes, and the squared error.
 class Denoiser {

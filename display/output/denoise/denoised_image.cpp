@@ -71,14 +71,6 @@ class Statistics {
     const ExrImage* second_;
 };
 
-Error image_error(const ExrImage& image, const std::string& message, const std::string& hint = {}) {
-    Error error;
-    error.file = image.path;
-    error.message = message;
-    error.hint = hint;
-    return error;
-}
-
 const ImageLayer* feature_named(const ExrImage& image, std::initializer_list<const char*> names) {
     for (const char* name : names)
         if (auto found = resolve_layer(image, name); found && (*found)->planes.size() >= 3) return *found;
@@ -100,7 +92,7 @@ class ImageDenoiser {
 
     Result<DenoisedImage> run() {
         if (image_.attributes.contains(denoised_attribute))
-            return image_error(image_, "the image is denoised already; expected the noisy one");
+            return error_at({image_.path, 0, 0}, "the image is denoised already; expected the noisy one");
         choose_features();
         choose_layers();
         for (Status (ImageDenoiser::*step)() : {&ImageDenoiser::check_layers, &ImageDenoiser::read_sums,
@@ -150,39 +142,41 @@ class ImageDenoiser {
             return std::array{image.width, image.height, region.x0, region.y0, region.x1, region.y1};
         };
         if (second_ != nullptr && window(*second_) != window(image_))
-            return image_error(*second_,
-                               "the second image has another size or data window; expected those of " + image_.path);
+            return error_at({second_->path, 0, 0},
+                            "the second image has another size or data window; expected those of " + image_.path);
         if (!chosen_.empty()) return check_values();
-        return image_error(image_,
-                           "no layer of light has statistics, so its noise is unknown; expected NAME_mse (the variance "
-                           "of a pixel), or NAME_even and NAME_odd (two halves of the samples), or a second image of "
-                           "other random numbers by --second",
-                           "raylex render --denoise keeps them");
+        return error_at({image_.path, 0, 0},
+                        "no layer of light has statistics, so its noise is unknown; expected NAME_mse (the variance "
+                        "of a pixel), or NAME_even and NAME_odd (two halves of the samples), or a second image of "
+                        "other random numbers by --second",
+                        "raylex render --denoise keeps them");
     }
 
     /// Refuses images that the filter would change for the worse, or whose layers would no longer sum.
     Status check_values() {
         if (const auto beauty = image_.require_layer(""); beauty && *beauty != &image_.layers[chosen_.front()])
-            return image_error(image_,
-                               "the beauty has no statistics, and guides the filter of all layers; expected "
-                               "'beauty_mse', or 'beauty_even' and 'beauty_odd'");
+            return error_at({image_.path, 0, 0},
+                            "the beauty has no statistics, and guides the filter of all layers; expected "
+                            "'beauty_mse', or 'beauty_even' and 'beauty_odd'");
         std::set<std::string> names;
         for (std::size_t i = 0; i < chosen_.size(); ++i) {
             const ImageLayer& layer = image_.layers[chosen_[i]];
             if (!names.insert(names_[i]).second)
-                return image_error(image_, "two layers are called '" + names_[i] + "'; expected one of each name");
+                return error_at({image_.path, 0, 0},
+                                "two layers are called '" + names_[i] + "'; expected one of each name");
             for (const std::string& added : {names_[i] + "_error", names_[i] + "_noisy"})
                 if (image_.layer(added) != nullptr && (options_.keep_noisy || added.ends_with("_error")))
-                    return image_error(image_, "the layer '" + added +
-                                                   "' exists; expected no layer of the name that a new layer gets");
+                    return error_at(
+                        {image_.path, 0, 0},
+                        "the layer '" + added + "' exists; expected no layer of the name that a new layer gets");
             for (const ImagePlane& plane : std::span(layer.planes).first(3))
                 if (!image_.partitions.empty() &&
                     (plane.stored != StoredType::single_float || plane.loss != PlaneLoss::none))
-                    return image_error(image_,
-                                       "the layer '" + names_[i] +
-                                           "' is stored as half or with loss, so the layers of its partitions sum only "
-                                           "roughly; expected float with a lossless compression",
-                                       "render without --exr light=half");
+                    return error_at({image_.path, 0, 0},
+                                    "the layer '" + names_[i] +
+                                        "' is stored as half or with loss, so the layers of its partitions sum only "
+                                        "roughly; expected float with a lossless compression",
+                                    "render without --exr light=half");
         }
         return success();
     }
@@ -195,11 +189,11 @@ class ImageDenoiser {
             for (const std::string& name : needed) {
                 const auto found = std::find(names_.begin(), names_.end(), name);
                 if (found == names_.end())
-                    return image_error(image_,
-                                       "the layer '" + name + "' of partition '" + partition.name +
-                                           "' has no statistics, and a partition is denoised as a whole; expected '" +
-                                           name + "_mse'",
-                                       "raylex render --denoise, or --statistics " + name + "=mse, keeps it");
+                    return error_at({image_.path, 0, 0},
+                                    "the layer '" + name + "' of partition '" + partition.name +
+                                        "' has no statistics, and a partition is denoised as a whole; expected '" +
+                                        name + "_mse'",
+                                    "raylex render --denoise, or --statistics " + name + "=mse, keeps it");
                 identity.layers.push_back(static_cast<std::size_t>(found - names_.begin()));
             }
             identity.of = identity.layers.back();
@@ -217,10 +211,10 @@ class ImageDenoiser {
             if (!results) return results.error();
             for (const SplitResult& result : *results)
                 if (result.exceeding > 0)
-                    return image_error(*image,
-                                       "the layers of partition '" + result.partition + "' do not sum to '" +
-                                           name_in_text(result.of) + "'; expected layers that sum",
-                                       "raylex verify shows where");
+                    return error_at({image->path, 0, 0},
+                                    "the layers of partition '" + result.partition + "' do not sum to '" +
+                                        name_in_text(result.of) + "'; expected layers that sum",
+                                    "raylex verify shows where");
         }
         return success();
     }
@@ -277,10 +271,11 @@ class ImageDenoiser {
                 constexpr float most = largest_denoised * largest_denoised;
                 if (!std::ranges::all_of(values, [](float value) { return std::abs(value) <= largest_denoised; }) ||
                     !std::ranges::all_of(noisy.variance[p], [](float v) { return v >= 0 && v <= most; }))
-                    return image_error(image_, "the layer '" + names_[noisy_.layers.size() - 1] + "' has values" +
-                                                   (second_ == nullptr ? "" : ", here or in " + second_->path + ",") +
-                                                   " that are not finite or above 1e15, or a negative variance; "
-                                                   "expected none");
+                    return error_at({image_.path, 0, 0},
+                                    "the layer '" + names_[noisy_.layers.size() - 1] + "' has values" +
+                                        (second_ == nullptr ? "" : ", here or in " + second_->path + ",") +
+                                        " that are not finite or above 1e15, or a negative variance; "
+                                        "expected none");
                 noisy.values[p] = options_.keep_noisy ? inside(values) : inside(std::move(values));
             }
             if (!options_.keep_noisy) free_statistics(layer);
@@ -291,9 +286,9 @@ class ImageDenoiser {
         const NoisyLayer& beauty = noisy_.layers.front();
         // A black image has no noise.
         if (std::ranges::all_of(beauty.variance, is_zero) && !std::ranges::all_of(beauty.values, is_zero))
-            return image_error(image_, "the variance of '" + names_.front() +
-                                           "' is 0 everywhere; expected at least two "
-                                           "samples a pixel, or a second image of other random numbers");
+            return error_at({image_.path, 0, 0}, "the variance of '" + names_.front() +
+                                                     "' is 0 everywhere; expected at least two "
+                                                     "samples a pixel, or a second image of other random numbers");
         return success();
     }
 

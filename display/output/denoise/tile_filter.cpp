@@ -7,10 +7,6 @@ namespace raylex::display {
 
 namespace {
 
-constexpr int side = 2 * search_radius + 1;
-constexpr std::size_t offsets = std::size_t{side} * side;
-constexpr std::size_t center = offsets / 2;
-
 /// Noise within which patches, or features, count as equal: a factor of their variance.
 constexpr float patch_tolerance = 0.64f, feature_tolerance = 0.36f;
 /// Squared differences of features that count as noise.
@@ -58,7 +54,7 @@ TileFilter::TileFilter(const NoisyImage& image, const PixelRegion& kept)
         features_.push_back(cut(feature.values));
         feature_noise_.push_back(feature.variance.empty() ? std::vector<float>(area) : cut(feature.variance));
     }
-    const std::size_t count = offsets * static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
+    const std::size_t count = searched * static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
     feature_weights_.resize(count);
     weights_.resize(count);
     const std::size_t terms = features_.size() + 3;
@@ -162,12 +158,13 @@ bool TileFilter::weigh(std::size_t layer) {
     };
     if (std::all_of(planes.variance.begin(), planes.variance.end(), is_zero)) return false;
     const std::size_t area = static_cast<std::size_t>(width_ * height_);
-    std::copy_n(&feature_weights_[center * area], area, &weights_[center * area]);
-    for (std::size_t k = center + 1; k < offsets; ++k) {
-        const int dx = static_cast<int>(k) % side - search_radius, dy = static_cast<int>(k) / side - search_radius;
+    std::copy_n(&feature_weights_[searched / 2 * area], area, &weights_[searched / 2 * area]);
+    for (std::size_t k = searched / 2 + 1; k < searched; ++k) {
+        const int dx = static_cast<int>(k) % search_side - search_radius,
+                  dy = static_cast<int>(k) / search_side - search_radius;
         compare_patches(planes, dx, dy);
         set_weights(dx, dy, k, 1);
-        set_weights(dx, dy, offsets - 1 - k, -1);
+        set_weights(dx, dy, searched - 1 - k, -1);
     }
     if (layer == 0) regress();
     else normalize();
@@ -178,9 +175,9 @@ bool TileFilter::weigh(std::size_t layer) {
 void TileFilter::normalize() {
     const std::size_t area = static_cast<std::size_t>(width_ * height_);
     std::vector<float> total(area);
-    for (std::size_t k = 0; k < offsets; ++k)
+    for (std::size_t k = 0; k < searched; ++k)
         for (std::size_t i = 0; i < area; ++i) total[i] += weights_[k * area + i];
-    for (std::size_t k = 0; k < offsets; ++k)
+    for (std::size_t k = 0; k < searched; ++k)
         for (std::size_t i = 0; i < area; ++i)
             weights_[k * area + i] = total[i] > 0 ? weights_[k * area + i] / total[i] : 0.0f;
 }

@@ -15,6 +15,8 @@ namespace raylex::display {
 inline constexpr int search_radius = 7;  ///< of the neighbourhood that a pixel's mean is taken over
 inline constexpr int patch_radius = 2;   ///< of the patches that a weight compares
 inline constexpr int risk_radius = 2;    ///< of the window over which estimates of risk are averaged
+inline constexpr int search_side = 2 * search_radius + 1;
+inline constexpr std::size_t searched = std::size_t{search_side} * search_side;  ///< pixels of a neighbourhood
 
 /// A layer in a tile: an estimate of each pixel and of its squared error, the sum of three components.
 struct TileEstimate {

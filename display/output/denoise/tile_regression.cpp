@@ -9,8 +9,6 @@ namespace raylex::display {
 
 namespace {
 
-constexpr int side_of_search = 2 * search_radius + 1;
-constexpr std::size_t searched = std::size_t{side_of_search} * side_of_search;
 constexpr std::size_t most_terms = 16;
 
 /// Slopes along features, and along positions in units of the radius, are reduced as if these had this noise.
@@ -57,8 +55,8 @@ void TileFilter::regress_row(int y) {
     const std::size_t at = static_cast<std::size_t>((y + margin) * stride_ + margin);
     std::fill(moments_.begin(), moments_.end(), 0.0f);
     const auto differences_at = [&](std::size_t k) {
-        const int dx = static_cast<int>(k) % side_of_search - search_radius,
-                  dy = static_cast<int>(k) / side_of_search - search_radius;
+        const int dx = static_cast<int>(k) % search_side - search_radius,
+                  dy = static_cast<int>(k) / search_side - search_radius;
         for (std::size_t f = 0; f < features_.size(); ++f) {
             const float *p = &features_[f][at], *q = p + dy * stride_ + dx;
             float* to = &differences_[f * width];
@@ -146,8 +144,8 @@ std::vector<float> TileFilter::apply(const std::vector<float>& plane) const {
     const std::size_t area = static_cast<std::size_t>(width_ * height_);
     std::vector<float> result(area);
     for (std::size_t k = 0; k < searched; ++k) {
-        const int dx = static_cast<int>(k) % side_of_search - search_radius,
-                  dy = static_cast<int>(k) / side_of_search - search_radius;
+        const int dx = static_cast<int>(k) % search_side - search_radius,
+                  dy = static_cast<int>(k) / search_side - search_radius;
         for (int y = 0; y < height_; ++y) {
             const float* from = &plane[static_cast<std::size_t>((y + margin + dy) * stride_ + margin + dx)];
             const std::size_t row = static_cast<std::size_t>(y * width_);

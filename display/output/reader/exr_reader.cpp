@@ -22,17 +22,11 @@
 #include "display/output/reader/exr_guard.h"
 #include "display/output/reader/exr_layers.h"
 #include "display/output/reader/exr_loss.h"
+#include "display/services/parameters.h"
 
 namespace raylex::display {
 
 namespace {
-
-Error read_error(const std::string& path, const std::string& message) {
-    Error error;
-    error.file = path;
-    error.message = message;
-    return error;
-}
 
 struct Window {
     std::int64_t min_x, min_y, width, height;
@@ -51,11 +45,11 @@ Status check_size(const ExrBands& file) {
     const double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
     const double needed = file.bytes_at_once();
     if (needed <= memory) return success();
-    return read_error(file.image().path, "the header declares " +
-                                             std::to_string(static_cast<std::int64_t>(needed / 1e9)) +
-                                             " GB of pixels, more than this machine's memory of " +
-                                             std::to_string(static_cast<std::int64_t>(memory / 1e9)) +
-                                             " GB; expected a smaller image (is the file damaged?)");
+    return error_at({file.image().path, 0, 0}, "the header declares " +
+                                                   std::to_string(static_cast<std::int64_t>(needed / 1e9)) +
+                                                   " GB of pixels, more than this machine's memory of " +
+                                                   std::to_string(static_cast<std::int64_t>(memory / 1e9)) +
+                                                   " GB; expected a smaller image (is the file damaged?)");
 }
 
 StoredType stored_type(Imf::PixelType type) {
@@ -187,11 +181,11 @@ auto guarded(const std::string& path, Read read) -> decltype(read()) {
     try {
         return read();
     } catch (const std::bad_alloc&) {
-        return read_error(path, "not enough memory for the image");
+        return error_at({path, 0, 0}, "not enough memory for the image");
     } catch (const std::exception& exception) {
-        return read_error(path, std::string("the file is truncated or damaged: ") + exception.what() +
-                                    "; expected a whole OpenEXR file");
-    } catch (...) { return read_error(path, "the file is truncated or damaged; expected a whole OpenEXR file"); }
+        return error_at({path, 0, 0}, std::string("the file is truncated or damaged: ") + exception.what() +
+                                          "; expected a whole OpenEXR file");
+    } catch (...) { return error_at({path, 0, 0}, "the file is truncated or damaged; expected a whole OpenEXR file"); }
 }
 
 // "shot_diffuse.0001.exr" -> "shot_diffuse"
@@ -232,9 +226,9 @@ namespace {
 Status describe_part(const std::string& path, Imf::MultiPartInputFile& file, int index, bool first, ExrImage& image) {
     const Imf::Header& header = file.header(index);
     if (!file.partComplete(index))
-        return read_error(path, "the image is incomplete: part " + std::to_string(index) +
-                                    " lacks pixels (an interrupted write, or the file was cut); " +
-                                    "expected a whole file");
+        return error_at({path, 0, 0}, "the image is incomplete: part " + std::to_string(index) +
+                                          " lacks pixels (an interrupted write, or the file was cut); " +
+                                          "expected a whole file");
     const Window display = window_of(header.displayWindow());
     if (first) {
         image.width = static_cast<int>(display.width);
@@ -248,8 +242,9 @@ Status describe_part(const std::string& path, Imf::MultiPartInputFile& file, int
                                  within(x + data.width, display.width), within(y + data.height, display.height)};
         if (region.width() < image.width || region.height() < image.height) image.data_window = region;
     } else if (display.width != image.width || display.height != image.height) {
-        return read_error(path, "part " + std::to_string(index) +
-                                    " and part 0 have different sizes; expected one display window for all parts");
+        return error_at({path, 0, 0},
+                        "part " + std::to_string(index) +
+                            " and part 0 have different sizes; expected one display window for all parts");
     }
     read_attributes(header, image);
     return success();
@@ -291,7 +286,7 @@ Result<ExrBands> ExrBands::open(const std::string& path) {
             parts.push_back(described_part(header, i));
         }
         if (of.flat.empty())
-            return read_error(path, "the file contains only deep images; expected at least one flat part");
+            return error_at({path, 0, 0}, "the file contains only deep images; expected at least one flat part");
         bands.image_.layers = name_layers(std::move(parts));
         if (of.flat.size() > 1 && !is_small) {
             const std::size_t threads =
@@ -352,7 +347,7 @@ Result<ExrImage> read_exr(const std::string& path) {
 }
 
 Result<ExrImage> read_exr_set(const std::vector<std::string>& paths) {
-    if (paths.empty()) return read_error("", "no image file given; expected at least one");
+    if (paths.empty()) return error_at({"", 0, 0}, "no image file given; expected at least one");
     if (paths.size() == 1) return read_exr(paths.front());
     ExrImage set;
     for (const std::string& path : paths) {
@@ -365,10 +360,10 @@ Result<ExrImage> read_exr_set(const std::vector<std::string>& paths) {
             set.chromaticities = image->chromaticities;
         }
         if (image->width != set.width || image->height != set.height)
-            return read_error(path, "the image has " + size_text(*image) + " pixels; expected " + size_text(set) +
-                                        " as in " + set.path);
+            return error_at({path, 0, 0}, "the image has " + size_text(*image) + " pixels; expected " + size_text(set) +
+                                              " as in " + set.path);
         if (image->chromaticities != set.chromaticities)
-            return read_error(path, "the image has different chromaticities; expected those of " + set.path);
+            return error_at({path, 0, 0}, "the image has different chromaticities; expected those of " + set.path);
         const std::string base = base_name(path);
         for (ImageLayer& layer : image->layers) {
             const auto taken = [&set](const std::string& name) {
@@ -378,8 +373,8 @@ Result<ExrImage> read_exr_set(const std::vector<std::string>& paths) {
             if (layer.name.empty()) layer.name = base;
             else if (taken(layer.name)) layer.name = base + "." + layer.name;
             if (taken(layer.name))
-                return read_error(path, "two files give a layer called '" + layer.name +
-                                            "'; expected file names that give different layer names");
+                return error_at({path, 0, 0}, "two files give a layer called '" + layer.name +
+                                                  "'; expected file names that give different layer names");
             set.layers.push_back(std::move(layer));
         }
         set.attributes.merge(image->attributes);

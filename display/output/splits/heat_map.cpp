@@ -7,6 +7,7 @@
 #include "display/output/splits/split_check.h"
 #include "display/output/splits/split_sum.h"
 #include "display/services/elementary.h"
+#include "display/services/parameters.h"
 
 namespace raylex::display {
 
@@ -26,13 +27,10 @@ double position_of(double residual, double bound) {
 
 Status write_residual_png(const std::string& path, const SplitResult& result, int width, int height) {
     if (width <= 0 || height <= 0 ||
-        result.residual.size() != static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {
-        Error error;
-        error.file = path;
-        error.message = "the result has " + std::to_string(result.residual.size()) + " pixels; expected " +
-                        std::to_string(width) + " x " + std::to_string(height);
-        return error;
-    }
+        result.residual.size() != static_cast<std::size_t>(width) * static_cast<std::size_t>(height))
+        return error_at({path, 0, 0}, "the result has " + std::to_string(result.residual.size()) +
+                                          " pixels; expected " + std::to_string(width) + " x " +
+                                          std::to_string(height));
     const double limit = residual_limit(result.bound, result.allowance);
     std::vector<unsigned char> rgb;
     rgb.reserve(result.residual.size() * 3);

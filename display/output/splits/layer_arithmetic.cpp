@@ -5,6 +5,7 @@
 
 #include "display/output/reader/exr_layers.h"
 #include "display/output/splits/split_check.h"
+#include "display/services/parameters.h"
 
 namespace raylex::display {
 
@@ -52,12 +53,8 @@ class SumParser {
 
   private:
     Error error_here(const std::string& message, std::size_t position, const std::string& hint = {}) const {
-        Error error;
-        error.file = "--sum";
-        error.column = static_cast<int>(position) + 1;
+        Error error = error_at({"--sum", 0, static_cast<int>(position) + 1}, message, hint);
         error.excerpt = text_;
-        error.message = message;
-        error.hint = hint;
         return error;
     }
 
@@ -255,12 +252,9 @@ Result<LayerSum> parse_sum(const ExrImage& image, const ImageLayer& of, const st
     SumParser parser(image, of, sum);
     for (const std::string& text : texts)
         if (Status read = parser.items(text); !read) return std::move(read).error();
-    if (parser.count() == 0) {
-        Error error;
-        error.file = image.path;
-        error.message = "no layers to sum; expected at least one of: " + list_names(image.layer_names());
-        return error;
-    }
+    if (parser.count() == 0)
+        return error_at({image.path, 0, 0},
+                        "no layers to sum; expected at least one of: " + list_names(image.layer_names()));
     close_sum(sum, parser.count());
     return sum;
 }

@@ -7,17 +7,11 @@
 #include "display/output/splits/layer_error.h"
 #include "display/output/splits/split_sum.h"
 #include "display/output/splits/stored_precision.h"
+#include "display/services/parameters.h"
 
 namespace raylex::display {
 
 namespace {
-
-Error split_error(const ExrImage& image, const std::string& message) {
-    Error error;
-    error.file = image.path;
-    error.message = message;
-    return error;
-}
 
 // Sums in raylex's own renders are exact, and rounded once when they are stored. `raylex mix` and `raylex denoise` add
 // attributes to images of other renderers too.
@@ -73,8 +67,8 @@ Result<std::vector<SplitResult>> check_declared_splits(const ExrImage& image, co
             return error;
         };
         if (partition.layers.empty())
-            return located(
-                split_error(image, "the header does not list its layers; expected \"beauty = first + second + ...\""));
+            return located(error_at({image.path, 0, 0},
+                                    "the header does not list its layers; expected \"beauty = first + second + ...\""));
         Result<const ImageLayer*> whole = image.require_layer(partition.of);
         if (!whole) return located(std::move(whole).error());
         std::vector<const ImageLayer*> layers;

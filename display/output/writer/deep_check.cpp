@@ -15,6 +15,7 @@
 
 #include "display/output/reader/exr_guard.h"
 #include "display/output/splits/stored_precision.h"
+#include "display/services/parameters.h"
 
 namespace raylex::display {
 
@@ -32,13 +33,6 @@ struct Comparison {
     std::vector<Pair> pairs;
     std::vector<std::string> layers;
 };
-
-Error deep_error(const std::string& path, const std::string& message) {
-    Error error;
-    error.file = path;
-    error.message = message;
-    return error;
-}
 
 Comparison match(const Imf::ChannelList& channels, const ExrImage& image) {
     Comparison result;
@@ -175,22 +169,24 @@ Result<DeepCheck> check_deep(const std::string& path, const ExrImage& image) {
         int index = -1;
         for (int i = 0; i < file.parts() && index < 0; ++i)
             if (file.header(i).hasType() && file.header(i).type() == Imf::DEEPSCANLINE) index = i;
-        if (index < 0) return deep_error(path, "this file has no deep scanline part; expected a deep OpenEXR file");
+        if (index < 0)
+            return error_at({path, 0, 0}, "this file has no deep scanline part; expected a deep OpenEXR file");
         const Imf::Header& header = file.header(index);
         const Imath::Box2i window = header.dataWindow();
         if (window.max.x - window.min.x + 1 != image.width || window.max.y - window.min.y + 1 != image.height)
-            return deep_error(path, "the deep image is " + std::to_string(window.max.x - window.min.x + 1) + "x" +
-                                        std::to_string(window.max.y - window.min.y + 1) + ", the shallow one " +
-                                        std::to_string(image.width) + "x" + std::to_string(image.height) +
-                                        "; expected equal sizes");
+            return error_at({path, 0, 0}, "the deep image is " + std::to_string(window.max.x - window.min.x + 1) + "x" +
+                                              std::to_string(window.max.y - window.min.y + 1) + ", the shallow one " +
+                                              std::to_string(image.width) + "x" + std::to_string(image.height) +
+                                              "; expected equal sizes");
         const Comparison comparison = match(header.channels(), image);
         for (const char* needed : {"Z", "A"})
             if (header.channels().findChannel(needed) == nullptr)
-                return deep_error(path, std::string("the deep image has no channel ") + needed + "; expected Z and A");
+                return error_at({path, 0, 0},
+                                std::string("the deep image has no channel ") + needed + "; expected Z and A");
         if (comparison.pairs.empty())
-            return deep_error(path,
-                              "no channel of the deep image is in the shallow image; expected R G B, or layers "
-                              "with the same names");
+            return error_at({path, 0, 0},
+                            "no channel of the deep image is in the shallow image; expected R G B, or layers "
+                            "with the same names");
         std::vector<std::string> names{"Z", header.channels().findChannel("ZBack") != nullptr ? "ZBack" : "Z", "A"};
         for (const Pair& pair : comparison.pairs) names.push_back(pair.channel);
         Imf::DeepScanLineInputPart part(file, index);
@@ -208,7 +204,7 @@ Result<DeepCheck> check_deep(const std::string& path, const ExrImage& image) {
         verdict.holds = verdict.exceeding == 0 && verdict.sorted;
         return verdict;
     } catch (const std::exception& exception) {
-        return deep_error(path, std::string("cannot read the deep image: ") + exception.what());
+        return error_at({path, 0, 0}, std::string("cannot read the deep image: ") + exception.what());
     }
 }
 

@@ -27,6 +27,7 @@
 #include "display/output/reader/exr_guard.h"
 #include "display/output/reader/exr_loss.h"
 #include "display/output/writer/exr_header.h"
+#include "display/services/parameters.h"
 
 namespace raylex::display {
 
@@ -51,13 +52,6 @@ struct EditedPart {
     std::vector<EditedChannel> channels;  ///< empty if the part is copied without unpacking and not read
     Imf::Header header;
 };
-
-Error edit_error(const std::string& path, const std::string& message) {
-    Error error;
-    error.file = path;
-    error.message = message;
-    return error;
-}
 
 std::string part_name(const EditedPart& part) {
     return part.header.hasName() ? part.header.name() : std::to_string(part.from);
@@ -168,12 +162,13 @@ Status check_parts(const std::string& path, const std::vector<EditedPart>& parts
         if (part.channels.empty()) continue;
         if (first == nullptr) first = &part;
         if (part.header.dataWindow() != first->header.dataWindow())
-            return edit_error(path, "the parts '" + part_name(*first) + "' and '" + part_name(part) +
-                                        "' have different data windows; expected one for all layers of light");
+            return error_at({path, 0, 0}, "the parts '" + part_name(*first) + "' and '" + part_name(part) +
+                                              "' have different data windows; expected one for all layers of light");
         for (auto c = part.header.channels().begin(); c != part.header.channels().end(); ++c)
             if (c.channel().xSampling != 1 || c.channel().ySampling != 1)
-                return edit_error(path, "channel '" + std::string(c.name()) +
-                                            "' has fewer values than the image has pixels; expected one for each");
+                return error_at({path, 0, 0},
+                                "channel '" + std::string(c.name()) +
+                                    "' has fewer values than the image has pixels; expected one for each");
     }
     return success();
 }
@@ -314,8 +309,8 @@ Status edit_into(AtomicFile& file, const std::string& from, const ExrEdit& edit)
     Imf::MultiPartInputFile input(from.c_str());
     for (int i = 0; i < input.parts(); ++i)
         if (!input.partComplete(i))
-            return edit_error(
-                from, "the image is incomplete: part " + std::to_string(i) + " lacks pixels; expected a whole file");
+            return error_at({from, 0, 0}, "the image is incomplete: part " + std::to_string(i) +
+                                              " lacks pixels; expected a whole file");
     std::vector<EditedPart> parts = edited_parts(input, edit);
     std::vector<Imf::Header> headers;
     if (Status good = check_parts(from, parts); !good) return good;
@@ -352,7 +347,8 @@ Status edit_exr(const std::string& from, const std::string& to, const ExrEdit& e
     try {
         if (Status done = edit_into(*file, from, edit); !done) return done;
     } catch (const std::exception& exception) {
-        return file->failed() ? file->failure() : edit_error(from, std::string("cannot copy: ") + exception.what());
+        return file->failed() ? file->failure()
+                              : error_at({from, 0, 0}, std::string("cannot copy: ") + exception.what());
     }
     return file->commit();
 }

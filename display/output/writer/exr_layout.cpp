@@ -17,12 +17,6 @@ namespace {
 constexpr std::size_t longest_name = 255 - std::string_view("lpeDialect/").size();
 constexpr std::size_t longest_shared_attribute = 1024;
 
-Error layout_error(const std::string& message) {
-    Error error;
-    error.message = message;
-    return error;
-}
-
 std::map<std::string, std::string> channel_attributes(std::span<const ChannelDefinition> channels,
                                                       const ChannelDefinition& channel) {
     std::map<std::string, std::string> attributes{{"rule/" + channel.name, rule_name(channel.rule)}};
@@ -67,14 +61,14 @@ PlannedPart plan_part(const ChannelDefinition& channel, ChannelId id, bool beaut
 }
 
 Status check_name(const std::string& name) {
-    if (name.empty()) return layout_error("a channel has no name; expected one, such as 'diffuse'");
+    if (name.empty()) return error_at({}, "a channel has no name; expected one, such as 'diffuse'");
     if (name.size() > longest_name)
-        return layout_error("the channel name '" + name.substr(0, 40) + "...' has " + std::to_string(name.size()) +
-                            " bytes; expected at most " + std::to_string(longest_name));
+        return error_at({}, "the channel name '" + name.substr(0, 40) + "...' has " + std::to_string(name.size()) +
+                                " bytes; expected at most " + std::to_string(longest_name));
     if (name.find(" + ") != std::string::npos || name.find(" = ") != std::string::npos ||
         std::any_of(name.begin(), name.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }))
-        return layout_error("the channel name '" + name +
-                            "' contains \" + \", \" = \" or a control character; expected a name without them");
+        return error_at({}, "the channel name '" + name +
+                                "' contains \" + \", \" = \" or a control character; expected a name without them");
     return success();
 }
 
@@ -94,8 +88,8 @@ Status check_partition(std::span<const ChannelDefinition> channels, ChannelId be
     needed.push_back(partition.of.empty() ? "beauty" : partition.of);
     for (const std::string& layer : needed)
         if (std::find(known.begin(), known.end(), layer) == known.end())
-            return layout_error("partition '" + partition.name + "' names the layer '" + layer +
-                                "', which is not a channel; expected one of: " + list_names(known));
+            return error_at({}, "partition '" + partition.name + "' names the layer '" + layer +
+                                    "', which is not a channel; expected one of: " + list_names(known));
     return success();
 }
 
@@ -133,10 +127,11 @@ bool is_declared(std::span<const ChannelDefinition> channels, ChannelId beauty, 
 }
 
 Status check_channel_names(std::span<const ChannelDefinition> channels, ChannelId beauty) {
-    if (channels.empty()) return layout_error("no channel to write; expected beauty or at least one more");
+    if (channels.empty()) return error_at({}, "no channel to write; expected beauty or at least one more");
     if (channels.size() > most_layers)
-        return layout_error("there are " + std::to_string(channels.size()) + " layers; expected at most " +
-                            std::to_string(most_layers) + " in a file, because each needs memory beyond its pixels");
+        return error_at({}, "there are " + std::to_string(channels.size()) + " layers; expected at most " +
+                                std::to_string(most_layers) +
+                                " in a file, because each needs memory beyond its pixels");
     std::set<std::string> names;
     if (has_beauty(channels, beauty)) names = {"rgba", "beauty"};
     for (std::size_t i = 0; i < channels.size(); ++i) {
@@ -145,8 +140,8 @@ Status check_channel_names(std::span<const ChannelDefinition> channels, ChannelI
         if (Status status = check_name(name); !status) return status;
         if (names.insert(name).second) continue;
         const bool taken = has_beauty(channels, beauty) && (name == "rgba" || name == "beauty");
-        return layout_error("the channel name '" + name + "' is " + (taken ? "reserved for the beauty" : "used twice") +
-                            "; expected a name of its own for every channel");
+        return error_at({}, "the channel name '" + name + "' is " + (taken ? "reserved for the beauty" : "used twice") +
+                                "; expected a name of its own for every channel");
     }
     return success();
 }

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -65,15 +64,7 @@ Status check_options(const CLI::App& command, const AskOptions& options) {
     if (options.merge && options.output.empty())
         return option_error("-o", "a merged atlas needs a file; expected -o MERGED.atlas.exr");
     if (options.output.empty()) return success();
-    if (std::filesystem::path(options.output).extension() != ".exr")
-        return option_error("-o",
-                            "the output '" + options.output + "' does not end in .exr; expected an OpenEXR file name");
-    for (const std::string& file : options.files) {
-        std::error_code failed;
-        if (file == options.output || std::filesystem::equivalent(file, options.output, failed))
-            return option_error("-o", "'" + file + "' is an input and would be overwritten; expected a different file");
-    }
-    return display::check_writable(options.output);
+    return check_new_exr(options.output, options.files);
 }
 
 std::string triple(const std::array<float, 3>& rgb) {

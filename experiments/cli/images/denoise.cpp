@@ -1,12 +1,9 @@
 // raylex denoise: denoises the layers of light of an image so that they still sum.
-#include <filesystem>
+#include <array>
 #include <memory>
 #include <string>
 
-#include "display/output/atomic_file.h"
 #include "display/output/denoise/denoised_image.h"
-#include "display/output/reader/exr_reader.h"
-#include "display/output/splits/split_check.h"
 #include "experiments/cli/checks.h"
 #include "experiments/cli/image_commands.h"
 #include "experiments/program/console.h"
@@ -22,27 +19,14 @@ struct DenoiseCommand {
 };
 
 int run_denoise(const DenoiseCommand& command) {
-    namespace fs = std::filesystem;
-    if (fs::path(command.output).extension() != ".exr")
-        return report_error("the output '" + command.output + "' does not end in .exr; expected an OpenEXR file name");
-    for (const std::string& input : {command.image, command.options.second}) {
-        std::error_code failed;
-        if (!input.empty() && (input == command.output || fs::equivalent(input, command.output, failed)))
-            return report_error("'" + input + "' is an input and would be overwritten; expected a different file");
-    }
-    if (Status writable = display::check_writable(command.output); !writable) return report_error(writable.error());
+    const std::array inputs{command.image, command.options.second};
+    if (Status good = check_new_exr(command.output, inputs); !good) return report_error(good.error());
     const auto denoised = display::denoise_exr(command.image, command.output, command.options);
     if (!denoised) return report_error(denoised.error());
     for (const std::string& line : denoised_text(*denoised)) print_line(line);
-    const auto file = display::ExrBands::open(command.output);
-    if (!file) return report_error(file.error());
-    const auto results = display::check_declared_splits(*file);
-    if (!results) return report_error(results.error());
-    const bool hold = print_results_of_new(*results, file->image());
-    print_line(command.output + ": " + std::to_string(file->image().width) + "x" +
-               std::to_string(file->image().height) + ", " + counted(denoised->layers.size(), "denoised layer") +
-               " of " + counted(file->image().layers.size(), "layer"));
-    return hold ? exit_holds : exit_does_not_hold;
+    const int code = check_new_image(command.output);
+    if (code != exit_bad_input) print_line(command.output + ": " + counted(denoised->layers.size(), "denoised layer"));
+    return code;
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 // raylex merge: combines the shards of a render into its image.
 #include <algorithm>
-#include <filesystem>
 #include <memory>
 
 #include "display/output/atomic_file.h"
@@ -59,10 +58,8 @@ int merge_atlases(const std::string& output, const MergedRender& merged) {
 }
 
 int merge_records(const ImageMergeOptions& options, const std::vector<std::string>& arguments) {
-    if (std::filesystem::path(options.output).extension() != ".exr")
-        return report_error("the output '" + options.output + "' does not end in .exr; expected an OpenEXR file name");
+    if (Status good = check_new_exr(options.output); !good) return report_error(good.error());
     if (Status loaded = load_plugins(options.plugins); !loaded) return report_error(loaded.error());
-    if (Status writable = display::check_writable(options.output); !writable) return report_error(writable.error());
     const std::vector<std::string> records = records_of(options);
     if (is_standard_output(options.atlas))
         return report_error("an atlas cannot be written to standard output, '-'; expected a file name");

@@ -1,5 +1,4 @@
 // raylex mix: scales the light groups of an image and recomputes its beauty.
-#include <filesystem>
 #include <memory>
 
 #include "display/output/reader/exr_layers.h"
@@ -19,8 +18,7 @@ struct MixOptions {
 };
 
 int mix(const MixOptions& options, const CommandContext& context) {
-    if (std::filesystem::path(options.output).extension() != ".exr")
-        return report_error("the output '" + options.output + "' does not end in .exr; expected an OpenEXR file name");
+    if (Status good = check_new_exr(options.output); !good) return report_error(good.error());
     Mix factors;
     if (!options.file.empty())
         if (Status read = read_mix(options.file, factors); !read) return report_error(read.error());

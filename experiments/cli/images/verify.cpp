@@ -50,13 +50,11 @@ Result<display::Allowance> parse_tolerance(const std::string& text) {
         *number = std::strtod(at, &end);
         const bool last = number == &allowance.relative;
         if (end == at || !std::isfinite(*number) || *number < 0 || *end != (last ? '\0' : ',')) {
-            Error error;
-            error.file = "--tolerance";
-            error.column = static_cast<int>(at - text.c_str()) + 1;
+            Error error =
+                error_at({"--tolerance", 0, static_cast<int>(at - text.c_str()) + 1},
+                         "expected ABS,REL: two non-negative numbers, such as 1e-6,1e-5 (|sum - of| <= rounding + "
+                         "ABS + REL (sum of |terms| + |of|))");
             error.excerpt = text;
-            error.message = std::string(
-                "expected ABS,REL: two non-negative numbers, such as 1e-6,1e-5 (|sum - of| <= rounding + "
-                "ABS + REL (sum of |terms| + |of|))");
             return error;
         }
         at = end + 1;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "display/services/thread_or_none.h"
 #include "experiments/study/analysis/spectrum.h"
 #include "experiments/study/report/measures/study.h"
 
@@ -72,7 +73,7 @@ void measure(const Study& study, const SceneInfo& scene, ErrorSpectrum& spectrum
 void measure_spectra(Study& study) {
     for (const Curve& curve : study.curves)
         if (curve.region.empty() && !curve.points.empty()) study.spectra.push_back({&curve, 0, 0, {}, {}});
-    on_all_cores(study.spectra.size(), [&](std::size_t i) {
+    display::on_threads(study.spectra.size(), 0, [&](std::size_t i) {
         for (const SceneInfo& scene : study.experiment->scenes)
             if (scene.name == study.spectra[i].curve->scene) measure(study, scene, study.spectra[i]);
     });

@@ -1,8 +1,6 @@
 // Perceptual errors of whole images: SSIM and FLIP of the beauty.
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <thread>
 #include <vector>
 
 #include "display/output/color/primaries.h"
@@ -40,20 +38,6 @@ void measure_row(RunErrors& row, const PixelArray& truth, const display::Chromat
 
 }  // namespace
 
-void on_all_cores(std::size_t count, const std::function<void(std::size_t)>& work) {
-    if (count == 0) return;
-    std::atomic<std::size_t> next{0};
-    const auto run = [&] {
-        for (std::size_t i; (i = next.fetch_add(1)) < count;) work(i);
-    };
-    const std::size_t cores = std::max(1u, std::thread::hardware_concurrency());
-    std::vector<std::thread> others(std::min(cores, count) - 1);
-    for (std::thread& each : others) each = display::thread_or_none(run);
-    run();
-    for (std::thread& each : others)
-        if (each.joinable()) each.join();
-}
-
 void measure_as_seen(Study& study) {
     for (const SceneInfo& scene : study.experiment->scenes) {
         std::vector<RunErrors*> rows;
@@ -65,7 +49,7 @@ void measure_as_seen(Study& study) {
         const Result<PixelArray> truth = read_mean(scene.reference, scene.channels.front().name);
         if (!truth || truth->components != 3 || !all_finite(*truth)) continue;
         const display::Chromaticities primaries = primaries_of(*rows.front()->run);
-        on_all_cores(rows.size(), [&](std::size_t i) { measure_row(*rows[i], *truth, primaries); });
+        display::on_threads(rows.size(), 0, [&](std::size_t i) { measure_row(*rows[i], *truth, primaries); });
     }
 }
 

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
@@ -197,7 +196,5 @@ std::string best_sentence(const Study& study, const MethodComparison& comparison
 void measure_as_seen(Study& study);
 /// Sets Study::spectra, using all cores. Call it after check_curves().
 void measure_spectra(Study& study);
-/// Calls work(0) to work(count - 1) once each, in any order, with one thread per core.
-void on_all_cores(std::size_t count, const std::function<void(std::size_t)>& work);
 
 }  // namespace raylex::experiments
