@@ -50,6 +50,13 @@ TileFilter::TileFilter(const NoisyImage& image, const PixelRegion& kept)
                 x >= 0 && y >= 0 && x < image.width && y < image.height ? 1.0f : 0.0f;
     distance_.resize(area);
     sums_.resize(area);
+    for (const NoisyLayer& layer : image.layers) {
+        LayerPlanes& planes = layers_.emplace_back();
+        for (std::size_t c = 0; c < 3; ++c) {
+            planes.values[c] = cut(layer.values[c]);
+            planes.variance[c] = cut(layer.variance[c]);
+        }
+    }
     for (const FilterFeature& feature : image.features) {
         features_.push_back(cut(feature.values));
         feature_noise_.push_back(feature.variance.empty() ? std::vector<float>(area) : cut(feature.variance));
@@ -70,18 +77,12 @@ std::vector<float> TileFilter::cut(std::span<const float> plane) const {
     for (int y = read_.y0; y < read_.y1; ++y) {
         const float* row = &plane[static_cast<std::size_t>(std::clamp(y, 0, image_.height - 1)) *
                                   static_cast<std::size_t>(image_.width)];
-        for (int x = read_.x0; x < read_.x1; ++x) values.push_back(row[std::clamp(x, 0, image_.width - 1)]);
+        values.insert(values.end(), static_cast<std::size_t>(std::max(0, -read_.x0)), row[0]);
+        values.insert(values.end(), row + std::max(0, read_.x0), row + std::min(image_.width, read_.x1));
+        values.insert(values.end(), static_cast<std::size_t>(std::max(0, read_.x1 - image_.width)),
+                      row[image_.width - 1]);
     }
     return values;
-}
-
-TileFilter::LayerPlanes TileFilter::cut(std::size_t layer) const {
-    LayerPlanes planes;
-    for (std::size_t c = 0; c < 3; ++c) {
-        planes.values[c] = cut(image_.layers[layer].values[c]);
-        planes.variance[c] = cut(image_.layers[layer].variance[c]);
-    }
-    return planes;
 }
 
 void TileFilter::compare_features() {
@@ -152,7 +153,7 @@ void TileFilter::set_weights(int dx, int dy, std::size_t offset, int sign) {
 }
 
 bool TileFilter::weigh(std::size_t layer) {
-    const LayerPlanes planes = cut(layer);
+    const LayerPlanes& planes = layers_[layer];
     const auto is_zero = [](const std::vector<float>& plane) {
         return std::all_of(plane.begin(), plane.end(), [](float value) { return value == 0; });
     };
@@ -173,19 +174,17 @@ bool TileFilter::weigh(std::size_t layer) {
 
 /// Scales the weights of each pixel so that they sum to 1.
 void TileFilter::normalize() {
-    const std::size_t area = static_cast<std::size_t>(width_ * height_);
-    std::vector<float> total(area);
-    for (std::size_t k = 0; k < searched; ++k)
-        for (std::size_t i = 0; i < area; ++i) total[i] += weights_[k * area + i];
-    for (std::size_t k = 0; k < searched; ++k)
-        for (std::size_t i = 0; i < area; ++i)
-            weights_[k * area + i] = total[i] > 0 ? weights_[k * area + i] / total[i] : 0.0f;
-}
-
-/// Turns weights into those of the value at the pixel of a linear function of features and position, fitted to the
-/// neighbourhood by weighted least squares.
-void TileFilter::regress() {
-    for (int y = 0; y < height_; ++y) regress_row(y);
+    const std::size_t width = static_cast<std::size_t>(width_), area = width * static_cast<std::size_t>(height_);
+    std::vector<float> total(width);
+    for (std::size_t row = 0; row < area; row += width) {  // the weights of a row stay in the cache
+        std::fill(total.begin(), total.end(), 0.0f);
+        for (std::size_t k = 0; k < searched; ++k)
+            for (std::size_t x = 0; x < width; ++x) total[x] += weights_[k * area + row + x];
+        for (std::size_t k = 0; k < searched; ++k) {
+            float* weights = &weights_[k * area + row];
+            for (std::size_t x = 0; x < width; ++x) weights[x] = total[x] > 0 ? weights[x] / total[x] : 0.0f;
+        }
+    }
 }
 
 }  // namespace raylex::display

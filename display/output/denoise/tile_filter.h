@@ -44,13 +44,13 @@ class TileFilter {
         std::array<std::vector<float>, 3> values, variance;
     };
     [[nodiscard]] std::vector<float> cut(std::span<const float> plane) const;
-    [[nodiscard]] LayerPlanes cut(std::size_t layer) const;
     [[nodiscard]] std::vector<float> summed(const std::vector<float>& estimated) const;
-    RAYLEX_WIDE [[nodiscard]] std::vector<float> apply(const std::vector<float>& plane) const;
-    void compare_features();
+    RAYLEX_WIDE [[nodiscard]] std::array<std::vector<float>, 3> apply(
+        const std::array<std::vector<float>, 3>& planes) const;
+    RAYLEX_WIDE void compare_features();
     RAYLEX_WIDE void compare_patches(const LayerPlanes& planes, int dx, int dy);
     RAYLEX_WIDE void set_weights(int dx, int dy, std::size_t offset, int sign);
-    void normalize();
+    RAYLEX_WIDE void normalize();
     void regress();
     RAYLEX_WIDE void regress_row(int y);
 
@@ -58,6 +58,7 @@ class TileFilter {
     PixelRegion kept_, estimated_, read_;
     int width_, height_, stride_;  ///< of estimated_; of read_
     std::vector<float> inside_;    ///< 1 for pixels of the image
+    std::vector<LayerPlanes> layers_;
     std::vector<std::vector<float>> features_, feature_noise_;
     std::vector<float> feature_weights_, weights_;  ///< [offset][pixel of estimated_]
     std::vector<float> distance_, sums_;            ///< over read_

@@ -107,6 +107,12 @@ void TileFilter::regress_row(int y) {
     }
 }
 
+/// Turns weights into those of the value at the pixel of a linear function of features and position, fitted to the
+/// neighbourhood by weighted least squares.
+void TileFilter::regress() {
+    for (int y = 0; y < height_; ++y) regress_row(y);
+}
+
 /// Sums over windows of the risk radius, for the pixels of the tile.
 std::vector<float> TileFilter::summed(const std::vector<float>& estimated) const {
     const int width = kept_.width(), height = kept_.height();
@@ -125,7 +131,7 @@ std::vector<float> TileFilter::summed(const std::vector<float>& estimated) const
 }
 
 TileEstimate TileFilter::noisy(std::size_t layer) const {
-    const LayerPlanes planes = cut(layer);
+    const LayerPlanes& planes = layers_[layer];
     TileEstimate result;
     constexpr int margin = risk_radius + search_radius + patch_radius;
     for (int y = 0; y < kept_.height(); ++y)
@@ -138,22 +144,23 @@ TileEstimate TileFilter::noisy(std::size_t layer) const {
     return result;
 }
 
-/// The weighted sums of a plane, for all pixels of estimated_.
-std::vector<float> TileFilter::apply(const std::vector<float>& plane) const {
+/// The weighted sums of three planes, for all pixels of estimated_. The weights of a row stay in the cache.
+std::array<std::vector<float>, 3> TileFilter::apply(const std::array<std::vector<float>, 3>& planes) const {
     constexpr int margin = search_radius + patch_radius;
     const std::size_t area = static_cast<std::size_t>(width_ * height_);
-    std::vector<float> result(area);
-    for (std::size_t k = 0; k < searched; ++k) {
-        const int dx = static_cast<int>(k) % search_side - search_radius,
-                  dy = static_cast<int>(k) / search_side - search_radius;
-        for (int y = 0; y < height_; ++y) {
-            const float* from = &plane[static_cast<std::size_t>((y + margin + dy) * stride_ + margin + dx)];
-            const std::size_t row = static_cast<std::size_t>(y * width_);
-            const float* weights = &weights_[k * area + row];
-            float* to = &result[row];
-            for (int x = 0; x < width_; ++x) to[x] += weights[x] * from[x];
-        }
-    }
+    std::array<std::vector<float>, 3> result;
+    for (std::vector<float>& plane : result) plane.resize(area);
+    for (int y = 0; y < height_; ++y)
+        for (std::size_t c = 0; c < 3; ++c)
+            for (std::size_t k = 0; k < searched; ++k) {
+                const int dx = static_cast<int>(k) % search_side - search_radius,
+                          dy = static_cast<int>(k) / search_side - search_radius;
+                const float* from = &planes[c][static_cast<std::size_t>((y + margin + dy) * stride_ + margin + dx)];
+                const std::size_t row = static_cast<std::size_t>(y * width_);
+                const float* weights = &weights_[k * area + row];
+                float* to = &result[c][row];
+                for (int x = 0; x < width_; ++x) to[x] += weights[x] * from[x];
+            }
     return result;
 }
 
@@ -161,14 +168,12 @@ std::vector<float> TileFilter::apply(const std::vector<float>& plane) const {
 /// The removed noise y - u has at least the variance (1 - W_ii)^2 v. If it is smaller, v is too large.
 /// A window that loses more light than noise explains is a highlight, and takes a shorter step.
 TileEstimate TileFilter::estimate(std::size_t layer, const TileEstimate* guide) const {
-    const LayerPlanes planes = cut(layer);
+    const LayerPlanes& planes = layers_[layer];
     const std::size_t area = static_cast<std::size_t>(width_ * height_);
     constexpr int margin = search_radius + patch_radius;
-    std::array<std::vector<float>, 3> filtered, lost;
-    for (std::size_t c = 0; c < 3; ++c) {
-        filtered[c] = apply(planes.values[c]);
-        lost[c].resize(area);
-    }
+    const std::array<std::vector<float>, 3> filtered = apply(planes.values);
+    std::array<std::vector<float>, 3> lost;
+    for (std::vector<float>& plane : lost) plane.resize(area);
     // Risks are averaged relative to each pixel's noise and value: otherwise the brightest pixel decides for its
     // window.
     std::vector<float> change(area), noise(area), kept(area), removed(area), counted(area), scale(area), total(area);
