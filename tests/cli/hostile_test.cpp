@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "../display/files.h"
+#include "display/output/writer/exr_edit.h"
 #include "experiments/program/work_lock.h"
 #include "support.h"
 #include "tests/support/paths.h"
@@ -272,7 +273,8 @@ TEST_CASE("a test of a lock does not take it", "[cli]") {
     CHECK_FALSE(experiments::WorkLock::take(file, "works"));
 }
 
-TEST_CASE("names of layers cannot control the terminal", "[cli][law7]") {
+TEST_CASE("names of layers cannot control the terminal, and names of partitions lead to no other folder",
+          "[cli][law7]") {
     const Folder folder;
     write_foreign(folder.path("odd.exr"), {{"R", Imf::FLOAT, {1}}, {"a\x1b[2J.Y", Imf::FLOAT, {-1}}}, 1, 1);
     for (const std::string color : {"never", "always"}) {
@@ -280,6 +282,12 @@ TEST_CASE("names of layers cannot control the terminal", "[cli][law7]") {
         CHECK(contains(outcome.out + outcome.err, "a?[2J"));
         CHECK_FALSE(contains(outcome.out + outcome.err, "\x1b[2J"));
     }
+    write_foreign(folder.path("plain.exr"), {{"R", Imf::FLOAT, {1}}, {"a.Y", Imf::FLOAT, {2}}}, 1, 1);
+    display::ExrEdit edit;
+    edit.attributes["partition/x/../../y"] = "beauty = a";
+    REQUIRE(display::edit_exr(folder.path("plain.exr"), folder.path("split.exr"), edit));
+    CHECK(run_raylex(folder, "verify split.exr").code == 1);
+    CHECK(folder.has("split.x_.._.._y.residual.png"));
 }
 
 }  // namespace raylex::test
