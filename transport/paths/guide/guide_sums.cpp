@@ -133,7 +133,9 @@ class GuideRefinement {
     void copy(std::uint32_t from, std::uint32_t to, std::uint32_t depth);
     void divide(std::uint32_t region, std::uint64_t finds, std::uint32_t to, std::uint32_t depth);
     void grow(std::uint32_t to, std::uint32_t from, Masses masses, std::uint32_t depth, float least, bool learned);
-    static Masses shares_of(const GuideTree::Node& n) { return {n.share(0), n.share(1), n.share(2), n.share(3)}; }
+    static Masses shares_of(const GuideTree::Node& n) {
+        return {to_float(n.share(0)), to_float(n.share(1)), to_float(n.share(2)), to_float(n.share(3))};
+    }
     static std::array<std::uint16_t, 4> in_whole(const Masses& masses);
     [[nodiscard]] Real share_of(std::uint32_t region) const;
 
@@ -251,7 +253,7 @@ void GuideRefinement::grow(std::uint32_t to, std::uint32_t from, Masses masses, 
         Masses below{quarter, quarter, quarter, quarter};
         if (child != 0 && learned) below = masses_[child];
         else if (child != 0)
-            for (std::size_t k = 0; k < 4; ++k) below[k] = masses[q] * old_.nodes_[child].share(k);
+            for (std::size_t k = 0; k < 4; ++k) below[k] = masses[q] * to_float(old_.nodes_[child].share(k));
         grow(grown, child, below, depth + 1, least, learned);
     }
 }
