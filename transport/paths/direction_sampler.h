@@ -24,6 +24,16 @@ class DirectionSampler {
     /// accept points without it.
     virtual void locate(std::span<SurfacePoint> points) const { static_cast<void>(points); }
 
+    /// Whether rays() determines how many rays leave the vertices of camera subpaths. Otherwise a plan and throughput
+    /// do.
+    [[nodiscard]] virtual bool plans_rays() const { return false; }
+    /// The mean number of rays that leave a vertex, above 0, where a path arrives with a throughput of this mean
+    /// colour. It must not depend on samples that follow.
+    [[nodiscard]] virtual Real rays(const Bsdf& bsdf, const SurfacePoint& point, Real throughput) const {
+        static_cast<void>(bsdf), static_cast<void>(point), static_cast<void>(throughput);
+        return 1;
+    }
+
     /// Samples the direction in which a path of `mode` that arrived from point.wo continues; u_lobe and u are in [0,
     /// 1). For a direction with a density, `pdf` must equal pdf() of the rounded `wi`. The walk evaluates the closure
     /// for `wi`, unless the result is_weighed; then `weight` and `lobes` are those of the sample. A specular direction

@@ -55,6 +55,7 @@ struct SplitState {
     bool all_lobes = false;     ///< one ray leaves the current vertex by each of its specular lobes
     bool split = false;         ///< rays were split at this vertex or before
     std::uint8_t followed = 0;  ///< number of specular vertices behind the split at which all lobes were followed
+    Real expected = 1;          ///< mean of `rays`, by which the throughput is divided
 
     [[nodiscard]] std::uint32_t branches() const { return all_lobes ? 2 : rays; }
 };

@@ -167,8 +167,9 @@ class Walk {
     std::vector<SplitState> splits_;
     std::vector<TechniqueShares> shares_;
     std::vector<Real> travelled_;
-    LaterRadiance* later_ = nullptr;    // of camera subpaths; null: the vertices that they leave are not recorded
-    std::vector<LightSample> origins_;  // where light subpaths left their lights
+    LaterRadiance* later_ = nullptr;     // of camera subpaths; null: the vertices that they leave are not recorded
+    bool directions_plan_rays_ = false;  // DirectionSampler::plans_rays(), for camera subpaths
+    std::vector<LightSample> origins_;   // where light subpaths left their lights
     VertexBatch vertices_;
 
   private:
@@ -231,9 +232,9 @@ class Walk {
     bool survives_roulette(std::uint32_t row, std::uint32_t dimension);
     [[nodiscard]] Real planned_survival(std::uint32_t row) const;
     [[nodiscard]] std::uint64_t planned_state(std::uint32_t row) const;
-    static std::uint32_t take_branch(Subpath& path, SplitState& split, const BsdfSample& s);
+    static Real take_branch(Subpath& path, SplitState& split, const BsdfSample& s);
     [[gnu::always_inline]] inline bool goes_on(std::uint32_t row);
-    void pass_vertex(std::uint32_t row, const Bsdf& bsdf, const BsdfSample& s);
+    void pass_vertex(std::uint32_t row, const Bsdf& bsdf, const BsdfSample& s, Real arrived);
     void reject(std::uint32_t row);
 
     const DepthLimit depth_limit_;

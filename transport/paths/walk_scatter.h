@@ -59,7 +59,10 @@ template <bool planned>
 bool Walk<mode>::survives_roulette(std::uint32_t row, std::uint32_t dimension) {
     Subpath& path = paths_[row];
     Real keep = 1, chance = 0;
-    if constexpr (planned) chance = context_.plan->roulette.empty() ? 0 : planned_survival(row);
+    if constexpr (planned) {
+        if (directions_plan_rays_) chance = path.specular ? 0 : 1;  // 1: decided before the direction was drawn
+        else if (!context_.plan->roulette.empty()) chance = planned_survival(row);
+    }
     if (chance > 0) {
         keep = chance;
     } else if (path.depth >= 2) {
@@ -83,19 +86,20 @@ bool Walk<mode>::survives_roulette(std::uint32_t row, std::uint32_t dimension) {
 }
 
 /// Multiplies the throughput by the share of a branch. Roulette treats the branch like the unsplit path. Returns the
-/// number of rays that compete for the same light in multiple importance sampling, which is 1 if each ray follows
-/// another lobe.
+/// expected number of rays that compete for the same light in multiple importance sampling, which is 1 if each ray
+/// follows another lobe.
 template <TransportMode mode>
-std::uint32_t Walk<mode>::take_branch(Subpath& path, SplitState& split, const BsdfSample& s) {
-    const std::uint32_t rays = split.rays;
+Real Walk<mode>::take_branch(Subpath& path, SplitState& split, const BsdfSample& s) {
+    const Real rays = split.expected;
     if (split.all_lobes) {  // every lobe is followed, so none counts for others
         path.beta *= s.pdf;
         path.roulette_scale /= s.pdf;
-    } else if (rays > 1) {
-        path.beta *= 1 / static_cast<Real>(rays);
-        path.roulette_scale *= static_cast<Real>(rays);
+    } else if (rays != 1) {
+        path.beta *= 1 / rays;
+        path.roulette_scale *= std::max(rays, Real(1));
     }
     split.rays = 1;
+    split.expected = 1;
     split.all_lobes = false;
     return rays;
 }
@@ -145,12 +149,13 @@ bool Walk<mode>::goes_on(std::uint32_t row) {
 }
 
 template <TransportMode mode>
-[[gnu::noinline]] void Walk<mode>::pass_vertex(std::uint32_t row, const Bsdf& bsdf, const BsdfSample& s) {
+[[gnu::noinline]] void Walk<mode>::pass_vertex(std::uint32_t row, const Bsdf& bsdf, const BsdfSample& s, Real arrived) {
     const Subpath& path = paths_[row];
     later_->pass({.row = row,
                   .depth = path.depth,
                   .state = planned_state(row),
                   .throughput = throughput(row),
+                  .arrived = arrived * path.beta.average(),
                   .strength = path.beta.max() * path.roulette_scale,
                   .split = !splits_.empty() && splits_[row].split,
                   .guidable = bsdf.has_density() && bsdf.pdf_is_exact(),
@@ -214,8 +219,10 @@ bool Walk<mode>::scatter_vertex(std::size_t j, [[maybe_unused]] std::uint32_t br
                                          : sample_direction<mode>(*directions, bsdf, point, u_lobe, pair(j));
     if (wavelengths_.any()) wavelengths_.leave<mode>(v, j, path, s);
     if (!(s.pdf > 0) || s.weight.is_black()) return false;
+    Real arrived = path.beta.average();
     path.beta *= s.weight;
-    const std::uint32_t rays = planned ? take_branch(path, splits_[row], s) : 1;
+    if (mode == TransportMode::radiance && later_ != nullptr) arrived /= path.beta.average();
+    const Real rays = planned ? take_branch(path, splits_[row], s) : 1;
     leave_vertex<mode>(path, point, s);
     if (mode == TransportMode::radiance && directions != nullptr) path.roulette_scale *= s.favoured;
     const bool counts_whole = !depth_limit_.has_bodies() && options_.counts_first_specular;
@@ -229,8 +236,8 @@ bool Walk<mode>::scatter_vertex(std::size_t j, [[maybe_unused]] std::uint32_t br
     if (path.beta.is_black() || !survives_roulette<planned>(row, dimensions.of(depth, dimensions.roulette)) ||
         !goes_on(row))
         return false;
-    if (rays > 1 && !path.specular) path.pdf *= static_cast<Real>(rays);
-    if (mode == TransportMode::radiance && later_ != nullptr) pass_vertex(row, bsdf, s);
+    if (rays != 1 && !path.specular) path.pdf *= rays;
+    if (mode == TransportMode::radiance && later_ != nullptr) pass_vertex(row, bsdf, s, arrived);
     if (options_.densities) {
         const Real reverse = s.delta ? 1 : direction_density<reverse_mode>(directions, bsdf, point, s.wi, point.wo);
         mis_weights_[row].leave(s.delta, static_cast<double>(reverse), static_cast<double>(point.cosine(s.wi)));

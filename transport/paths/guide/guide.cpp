@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "transport/paths/guide/guide_gains.h"
+
 namespace raylex::transport {
 namespace {
 
@@ -25,6 +27,12 @@ std::uint32_t Guide::region_number(const SurfacePoint& point) const {
 
 void Guide::locate(std::span<SurfacePoint> points) const {
     for (SurfacePoint& point : points) point.direction_region = 1 + region_number(point);
+}
+
+Real Guide::rays(const Bsdf& bsdf, const SurfacePoint& point, Real throughput) const {
+    if (!bsdf.has_density()) return 1;
+    const std::uint32_t number = point.direction_region > 0 ? point.direction_region - 1 : region_number(point);
+    return rays_by_gain(tree_.region(number), throughput);
 }
 
 const GuideTree::Region* Guide::region_of(const Bsdf& bsdf, const SurfacePoint& point, TransportMode mode) const {

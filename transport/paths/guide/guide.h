@@ -19,6 +19,8 @@ class Guide final : public DirectionSampler {
     void set_tree(GuideTree tree) { tree_ = std::move(tree); }
 
     void locate(std::span<SurfacePoint> points) const override;
+    [[nodiscard]] bool plans_rays() const override { return tree_.plans_rays(); }
+    [[nodiscard]] Real rays(const Bsdf& bsdf, const SurfacePoint& point, Real throughput) const override;
     [[nodiscard]] BsdfSample sample(const Bsdf& bsdf, const SurfacePoint& point, TransportMode mode, Real u_lobe,
                                     const Vec2& u) const override;
     [[nodiscard]] Real pdf(const Bsdf& bsdf, const SurfacePoint& point, TransportMode mode, const Vec3& to,

@@ -123,6 +123,11 @@ class GuideRefinement {
         for (std::uint32_t i = 0; i < GuideTree::orientations; ++i) copy(i, i, 0);
         return tree.nodes_.size() <= limits_.nodes;
     }
+    [[nodiscard]] GuideTree unchanged() const {
+        GuideTree tree = old_;
+        for (std::uint32_t i = 0; i < tree.regions_.size(); ++i) tree.regions_[i].before = i;
+        return tree;
+    }
 
   private:
     using Masses = std::array<float, 4>;
@@ -217,6 +222,7 @@ void GuideRefinement::divide(std::uint32_t region, std::uint64_t finds, std::uin
     const bool learned = total(masses_[root]) > 0;
     const Masses masses = learned ? masses_[root] : shares_of(old_.nodes_[root]);
     GuideTree::Region fresh;
+    fresh.before = region;
     const double found =
         std::max<double>(1, static_cast<double>(sums_.regions()[region].finds.load(std::memory_order_relaxed)));
     const float least = std::max(least_cell, static_cast<float>(finds_of_cell / found)) * total(masses);
@@ -283,7 +289,7 @@ GuideTree refined(const GuideSums& sums, const GuideLimits& limits) {
     for (const GuideSums::Region& region : sums.regions()) most = std::max(most, region.finds.load());
     while (!refinement.build(tree, finds)) {
         // No region would be halved any more, and the quadtrees alone need too many nodes.
-        if (finds > most) return sums.tree();
+        if (finds > most) return refinement.unchanged();
         finds *= 2;
     }
     return tree;

@@ -42,8 +42,10 @@ class GuideTree {
         }
     };
     struct Region {
-        std::uint32_t root = 0;  ///< node of its quadtree
-        Real share = 0;          ///< probability of drawing a direction from the quadtree; 0: the closure draws all
+        std::uint32_t root = 0;    ///< node of its quadtree
+        Real share = 0;            ///< probability of drawing a direction from the quadtree; 0: the closure draws all
+        std::uint32_t before = 0;  ///< region of the tree before, of which this one is a part
+        float by_square = 0, by_noise = 0;  ///< see guide_gains.h; 0: unknown
     };
     /// Where a point is.
     struct Place {
@@ -76,6 +78,13 @@ class GuideTree {
     static std::optional<GuideTree> from_record(std::string_view bytes);
 
     [[nodiscard]] const std::vector<Region>& regions() const { return regions_; }
+    /// Sets Region::by_square and by_noise.
+    void set_gain(std::size_t region, float by_square, float by_noise) {
+        regions_[region].by_square = by_square;
+        regions_[region].by_noise = by_noise;
+    }
+    /// Whether the regions have gains.
+    [[nodiscard]] bool plans_rays() const { return regions_.front().by_square > 0; }
     [[nodiscard]] std::size_t node_count() const { return nodes_.size(); }
     [[nodiscard]] std::size_t bytes() const {
         return nodes_.size() * sizeof(Node) + regions_.size() * sizeof(Region) + space_.size() * sizeof(Space);

@@ -24,10 +24,24 @@ void CameraSubpaths::split(std::size_t j) {
         if (split.split || !record_.live_set(row, v.sources[j].label, v.points[j].material).scatters) return;
         split.split = true;
         split.rays = splits.rays;
+        split.expected = static_cast<Real>(splits.rays);
     } else if (split.split && split.followed < splits.both_lobes && has_two_lobes(v.bsdfs[j], v.points[j].wo)) {
         ++split.followed;
         split.all_lobes = true;
     }
+}
+
+/// Draws the number of rays that leave vertex j, where the sampler of directions determines it. It depends on no
+/// channel (Law 2).
+void CameraSubpaths::choose_rays(std::size_t j) {
+    if (!may_scatter(j)) return;
+    const std::uint32_t row = vertices_.rows[j];
+    SplitState& split = splits_[row];
+    split.expected = context_.directions->rays(vertices_.bsdfs[j], vertices_.points[j], paths_[row].beta.average());
+    split.rays = static_cast<std::uint8_t>(split.expected);
+    const Real rest = split.expected - static_cast<Real>(split.rays);
+    if (rest > 0 && branch_samplers_[row].get_random(dimensions.of(paths_[row].depth, dimensions.roulette)) < rest)
+        ++split.rays;
 }
 
 void SplitVertices::drop_finished() {
@@ -56,11 +70,11 @@ void CameraSubpaths::keep_split_vertices() {
     for (std::size_t j = 0; j < v.count; ++j) {
         const std::uint32_t row = v.rows[j];
         SplitState& split = splits_[row];
-        if (split.branches() == 1) continue;
-        const SplitPlan& splits = context_.plan->splits;
-        if (splits.only != SplitPlan::Only::all && !split.all_lobes) {
-            if (splits.only == SplitPlan::Only::none) split.rays = 0;
-            else branch_samplers_[row] = branch_samplers_[row].branch(0, splits.rays);
+        if (split.branches() <= 1) continue;
+        const SplitPlan::Only only = context_.plan == nullptr ? SplitPlan::Only::all : context_.plan->splits.only;
+        if (only != SplitPlan::Only::all && !split.all_lobes) {
+            if (only == SplitPlan::Only::none) split.rays = 0;
+            else branch_samplers_[row] = branch_samplers_[row].branch(0, split.rays);
             continue;
         }
         if (level == nullptr) {

@@ -20,12 +20,14 @@ WalkOptions bounded(WalkOptions options, const PathPlan* plan) {
 CameraSubpaths::CameraSubpaths(const PathContext& context, WalkOptions options)
     : Walk(context, bounded(options, context.plan),
            Record(*context.events, static_cast<std::size_t>(context.batch_capacity))),
-      planned_(context.plan != nullptr && context.plan->changes_paths()),
+      planned_((context.directions != nullptr && context.directions->plans_rays()) ||
+               (context.plan != nullptr && context.plan->changes_paths())),
       live_lobes_(!options.densities && !context.beauty && context.events->prunes()) {
     if (planned_) {
         branch_samplers_.resize(paths_.size());
         splits_.resize(paths_.size());
     }
+    directions_plan_rays_ = context.directions != nullptr && context.directions->plans_rays();
     if (context.plan != nullptr && context.plan->shares.any()) shares_.resize(paths_.size());
     if (scene_.tests_alpha()) travelled_.resize(paths_.size());
 }
@@ -68,7 +70,9 @@ bool CameraSubpaths::advance(ThreadServices& services) {
     if (record_.events().wants_user()) report_surfaces();
     if (live_lobes_) keep_live_lobes();
     write_first_hits(context_, vertices_, first_entries(), first_hits_, services.display);
-    if (planned_ && (context_.plan->splits.any() || context_.plan->follows_whole_paths))
+    if (directions_plan_rays_)
+        for (std::size_t j = 0; j < vertices_.count; ++j) choose_rays(j);
+    else if (planned_ && (context_.plan->splits.any() || context_.plan->follows_whole_paths))
         for (std::size_t j = 0; j < vertices_.count; ++j) split(j);
     return true;
 }

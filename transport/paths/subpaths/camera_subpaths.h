@@ -42,7 +42,7 @@ class CameraSubpaths : public Walk<TransportMode::radiance> {
     }
     /// The expected number of rays that leave the vertex of a row in directions with a density.
     [[nodiscard]] Real expected_rays(std::uint32_t row) const {
-        const Real rays = splits_.empty() ? 1 : static_cast<Real>(splits_[row].rays);
+        const Real rays = splits_.empty() ? 1 : splits_[row].expected;
         return shares_.empty() ? rays : shares_[row].ray * rays;
     }
     /// Draws the numbers of light samples of all vertices; pair(j) returns them.
@@ -71,6 +71,7 @@ class CameraSubpaths : public Walk<TransportMode::radiance> {
 
   private:
     void split(std::size_t j);
+    void choose_rays(std::size_t j);
     void keep_split_vertices();
     /// Sends subpaths back to vertices that were kept for further branches. Call it when no subpath goes on. Returns
     /// false if no vertex is left.

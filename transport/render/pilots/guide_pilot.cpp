@@ -15,6 +15,7 @@
 #include "display/services/processor.h"
 #include "display/services/split_mix.h"
 #include "display/services/thread_or_none.h"
+#include "transport/paths/guide/guide_gains.h"
 #include "transport/paths/guide/guide_sums.h"
 #include "transport/render/clock.h"
 #include "transport/render/pilots/pilot_paths.h"
@@ -28,8 +29,8 @@ constexpr std::uint64_t fewest_samples = 4;            // of a pixel: fewer do n
 // `auto` decides after an eighth of the training at the earliest, with two samples of each pixel, which cost as much as
 // six without training: 5 % of so many.
 constexpr std::uint64_t shortest_automatic = 128;
-constexpr std::uint64_t most_samples = 4096;           // of a pixel: all samples of a tile and a round are in memory
-constexpr std::uint64_t finds_of_region = 300;         // records with light, those of neighbours included
+constexpr std::uint64_t most_samples = 4096;    // of a pixel: all samples of a tile and a round are in memory
+constexpr std::uint64_t finds_of_region = 300;  // records with light, those of neighbours included
 constexpr std::size_t guide_bytes = std::size_t{64} << 20;  // sums of a round and the tree of the next included
 // Cost of a vertex whose direction the guide may draw, beside that of its ray, relative to a scattering ray
 // (pilot_cost()); measured on glass-fixtures and door-ajar.
@@ -48,6 +49,7 @@ struct GuideTile {
     std::uint64_t paths = 0;
     // Of one round, in these weights: squares as drawn, as expected without the guide, and of the pixels' means.
     double guided = 0, unguided = 0, of_means = 0;
+    LaterLight later;  // of one round
 };
 
 struct GuideWorker {
@@ -76,6 +78,7 @@ class GuidePilot {
     void weigh();
     [[nodiscard]] double cost(bool guided) const;
     [[nodiscard]] double gain() const;
+    [[nodiscard]] bool learns_gains() const;
     void refine(bool final);
     void summarize(TrainedGuide& trained) const;
 
@@ -84,10 +87,12 @@ class GuidePilot {
     geoaovs::GeometricAovs no_aovs_{std::span<const display::ChannelDefinition>()};
     std::unique_ptr<Guide> guide_;
     std::unique_ptr<GuideSums> sums_;
+    std::unique_ptr<GainSums> gain_sums_;  // null: gains are not learned
     std::unique_ptr<Integrator> plain_, guided_;
     std::vector<std::unique_ptr<GuideWorker>> workers_;
     std::vector<GuideTile> tiles_;
     std::atomic<bool> leave_{false};
+    double mean_ = 0;                                  // of the image, in the first channel
     double finds_of_path_ = 1e-3;                      // records with light for each path of the last round
     std::uint32_t round_ = 0, first_ = 0, count_ = 0;  // samples [first, first + count) of each pixel
 };
@@ -145,6 +150,7 @@ void GuidePilot::weigh() {
         double sum = 0, paths = 0;
         for (const GuideTile& tile : tiles_) sum += tile.received[c], paths += static_cast<double>(tile.paths);
         const double mean = sum / paths;
+        if (c == 0) mean_ = mean;
         for (GuideTile& tile : tiles_) {
             const double here = tile.received[c] / static_cast<double>(tile.paths);
             const double square = here * here + mean * mean / 4;
@@ -162,6 +168,7 @@ void GuidePilot::learn(GuideTile& tile, GuideWorker& worker, std::uint64_t row, 
     }
     ++tile.paths;
     if (round_ == 0) return;
+    if (gain_sums_) gain_sums_->add(path, tile.later);
     // Without the guide, light found behind vertex i would arrive with the factor R_i, the product of draw over closure
     // up to there, and as often as 1 / R_i. So pairs of finds count with the R of what they have in common.
     double unguided = drawn;
@@ -201,6 +208,7 @@ void GuidePilot::learn(GuideTile& tile, GuideWorker& worker, std::uint64_t row, 
 void GuidePilot::follow_tile(GuideTile& tile, GuideWorker& worker) {
     const std::size_t channels = training_.channels.size();
     tile.guided = tile.unguided = tile.of_means = 0;
+    tile.later = {};
     const std::uint64_t seed = mix_bits(~context_.services.seed);  // the guide must not depend on the image's numbers
     worker.paths.begin_pixels(tile.pixels, seed, first_, count_);
     worker.sums.assign(channels, 0);
@@ -212,6 +220,7 @@ void GuidePilot::follow_tile(GuideTile& tile, GuideWorker& worker) {
                             const auto x = static_cast<std::uint64_t>(tile.pixels.x0) + pixel % width,
                                        y = static_cast<std::uint64_t>(tile.pixels.y0) + pixel / width;
                             learn(tile, worker, ((y << 20 | x) << 20) + first_ + sample, path);
+                            if (sample + 1 == count_) tile.later.end_pixel(count_);
                             for (std::size_t c = 0; c < channels; ++c) {
                                 worker.sums[c] += path.received[c];
                                 worker.squares[c] += path.received[c] * path.received[c];
@@ -233,6 +242,7 @@ bool GuidePilot::follow(std::uint32_t round) {
     // Neighbours help where light is found rarely.
     const int neighbours = static_cast<int>(std::min<double>(GuideSums::most_neighbours, 1 / finds_of_path_));
     if (round > 0) sums_ = std::make_unique<GuideSums>(guide_->tree(), neighbours);
+    if (round > 0 && learns_gains()) gain_sums_ = std::make_unique<GainSums>(guide_->tree(), mean_);
     std::atomic<std::size_t> next{0};
     std::mutex mutex;
     std::condition_variable done;
@@ -297,6 +307,13 @@ double GuidePilot::gain() const {
     return guided > 0 && unguided > 0 ? unguided * cost(false) / (guided * cost(true)) : 1;
 }
 
+/// Gains add up the light of one channel. A plan without beauty has a roulette and splits of its own.
+bool GuidePilot::learns_gains() const {
+    const PathPlan* plan = context_.plan;
+    return training_.request.gain && training_.channels.size() == 1 && mean_ > 0 &&
+           (plan == nullptr || !(plan->changes_paths() || plan->shares.any()));
+}
+
 void GuidePilot::refine(bool final) {
     constexpr std::size_t bytes_of_node = 2 * sizeof(GuideTree::Node) + 4 * (sizeof(std::uint64_t) + sizeof(float));
     GuideLimits limits;
@@ -309,6 +326,12 @@ void GuidePilot::refine(bool final) {
     for (const GuideTile& tile : tiles_) paths += double(count_) * tile.pixels.width() * tile.pixels.height();
     if (finds > 0) finds_of_path_ = finds / paths;
     GuideTree tree = refined(*sums_, limits);
+    if (final && gain_sums_) {
+        LaterLight later;
+        for (const GuideTile& tile : tiles_) later.variance += tile.later.variance, later.rays += tile.later.rays;
+        gain_sums_->set_gains(tree, later);
+    }
+    gain_sums_.reset();
     sums_.reset();
     guide_->set_tree(std::move(tree));
 }
