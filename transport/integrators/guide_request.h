@@ -15,6 +15,8 @@ enum class GuideMode : std::uint8_t { off, automatic, on };
 struct GuideRequest {
     GuideMode mode = GuideMode::off;
     std::uint32_t samples = 0;  ///< of each pixel for training; 0: by the samples or the time of the render
+    /// Expected gain decides how many rays leave a vertex (paths/guide/guide_gains.h); otherwise throughput does.
+    bool gain = false;
     /// Makes an integrator that traces the paths of the training. The context of its prepare() has the guide.
     std::function<std::unique_ptr<Integrator>()> make_trial;
 };

@@ -241,8 +241,8 @@ TEST_CASE("layers of a render by expected gain sum to its beauty, and change not
     settings.channels.list = {lpe_channel("seen", "C[LBO]"), lpe_channel("direct", "C.[LBO]"),
                               lpe_channel("indirect", "C..+[LBO]"), lpe_channel("caustics", "C<RD><TS>+L")};
     const auto beside = render_of(scene, settings);
-    const std::vector<double> beauty = beauty_of(beside);
-    CHECK(beauty_of(alone) == beauty);
+    const std::vector<double> beauty = beside.frame_buffer.resolve(beside.beauty);
+    CHECK(alone.frame_buffer.resolve(alone.beauty) == beauty);
     const std::vector<double> seen = beside.frame_buffer.resolve(1), direct = beside.frame_buffer.resolve(2),
                               indirect = beside.frame_buffer.resolve(3);
     double worst = 0;

@@ -104,6 +104,7 @@ Result<std::unique_ptr<Integrator>> make_path(const SceneEntity& entity, std::op
     constexpr std::array<LightSelection, 4> selections{LightSelection::power, LightSelection::uniform,
                                                        LightSelection::receiver, LightSelection::receiver};
     p.guide = read_guide_parameters(read);
+    p.guide.gain = read.choice("guideroulette", {"gain", "throughput"}, 0) == 0 && p.roulette_below > 0;
     p.light_selection = selections[read.choice("lightsampler", {"power", "uniform", "bvh", "exhaustive"}, 2)];
     if (read.error()) return *read.error();
     return make_path_integrator(p);
@@ -136,6 +137,9 @@ Registry<IntegratorFactory>::Entry path_integrator_entry() {
          "lights have a position, else by power; power; uniform; exhaustive of pbrt is bvh here"}};
     const std::vector<ParameterDescription> guide = describe_guide_parameters();
     described.insert(described.end(), guide.begin(), guide.end());
+    described.push_back({"guideroulette", T::string, "gain",
+                         "what ends guided paths at random: gain, by the light and the cost that the training "
+                         "expects behind a vertex, which also splits paths; throughput"});
     return {"path", "path tracing with light sampling, multiple importance sampling and Russian roulette",
             std::move(described), make_path};
 }

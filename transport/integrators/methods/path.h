@@ -25,7 +25,7 @@ struct PathParameters : WalkOptions {
 std::unique_ptr<Integrator> make_path_integrator(const PathParameters& parameters);
 
 /// The registry's entry: parameters maxdepth, strategy, roulette, rrthreshold, splits, channelroulette, regularize,
-/// lightsampler, guide, guidesamples.
+/// lightsampler, guide, guidesamples, guideroulette.
 Registry<IntegratorFactory>::Entry path_integrator_entry();
 
 }  // namespace raylex::transport
