@@ -53,6 +53,8 @@ struct CompileOptions {
     /// string can be completed. With `any_path_string` the program follows any sequence of events, as conformance
     /// vectors need.
     bool any_path_string = false;
+    /// Program::compile() gives the first channel a table of its own, word 0 of the state, whatever the others are.
+    bool first_alone = false;
 };
 
 class Program {

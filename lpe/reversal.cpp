@@ -125,11 +125,11 @@ struct ReversedProgram::Builder {
     }
 };
 
-Result<ReversedProgram> ReversedProgram::build(const Program& program, const ReverseOptions& options) {
+Result<ReversedProgram> ReversedProgram::build(const ProgramView& program, const ReverseOptions& options) {
     return guarded([&] {
         ReversedProgram reversed;
-        reversed.program_ = program.view();
-        Builder{program.view(), options, reversed}.run();
+        reversed.program_ = program;
+        Builder{program, options, reversed}.run();
         return reversed;
     });
 }

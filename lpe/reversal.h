@@ -33,7 +33,10 @@ struct ReverseOptions {
 class ReversedProgram {
   public:
     /// Builds the reversed automata. Errors: they need more than the options allow.
-    static Result<ReversedProgram> build(const Program& program, const ReverseOptions& options = {});
+    static Result<ReversedProgram> build(const ProgramView& program, const ReverseOptions& options = {});
+    static Result<ReversedProgram> build(const Program& program, const ReverseOptions& options = {}) {
+        return build(program.view(), options);
+    }
 
     /// The number of States of one light subpath.
     [[nodiscard]] std::size_t word_count() const noexcept { return starts_.size(); }

@@ -380,7 +380,15 @@ Grouping group_channels(std::vector<Dfa> dfas, std::span<const ChannelSource> ch
         leaves.push_back({std::move(dfas[k]), {{}, {static_cast<std::uint16_t>(k)}}});
     }
     Grouping grouping;
-    if (leaves.empty()) { return grouping; }
+    std::vector<Group> alone;
+    if (options.first_alone && !leaves.empty()) {
+        alone.push_back(std::move(leaves.front()));
+        leaves.erase(leaves.begin());
+    }
+    if (leaves.empty()) {
+        grouping.tables = std::move(alone);
+        return grouping;
+    }
     const std::size_t most = roles.empty() ? leaves.size() + 1 : std::min(fewest_words, options.group_cap);
     if (std::optional<std::vector<Group>> tables = merge_balanced(leaves, options.state_cap, most)) {
         grouping.tables = std::move(*tables);
@@ -391,6 +399,7 @@ Grouping group_channels(std::vector<Dfa> dfas, std::span<const ChannelSource> ch
         merge_smallest(grouping.tables, options.group_cap, options.state_cap);
     }
     if (grouping.tables.size() > options.group_cap) { fail_groups(grouping, channels, options); }
+    grouping.tables.insert(grouping.tables.begin(), alone.begin(), alone.end());
     return grouping;
 }
 

@@ -6,9 +6,19 @@ namespace raylex::transport {
 
 LightLanguage::LightLanguage(const display::LpeSetup& setup, const EventTable& events)
     : events_(&events), keeps_paths_(setup.words() != nullptr), prunes_(setup.beauty() < 0 && events.prunes()) {
-    if (Result<lpe::ReversedProgram> reversed = lpe::ReversedProgram::build(setup.program()))
+    if (Result<lpe::ReversedProgram> reversed = lpe::ReversedProgram::build(setup.main()))
         reversed_.emplace(std::move(*reversed));
     if (prunes_) liveness_ = display::SuffixLiveness(setup, this->reversed(), events.alphabet());
+    has_layers_ = setup.has_layers() && reversed_;
+    if (!has_layers_) return;
+    if (Result<lpe::ReversedProgram> all = lpe::ReversedProgram::build(setup.program()))
+        reversed_layers_.emplace(std::move(*all));
+}
+
+display::PathSuffixes LightLanguage::pool() const {
+    display::PathSuffixes pool(reversed(), keeps_paths_);
+    if (has_layers_) pool.add_layers(reversed_layers_ ? &*reversed_layers_ : nullptr);
+    return pool;
 }
 
 display::SuffixLiveness::LiveSet LightLanguage::live_set_of(lpe::EventClass terminal) const {

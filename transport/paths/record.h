@@ -176,8 +176,8 @@ class LightLanguage {
     LightLanguage& operator=(const LightLanguage&) = delete;
     /// Null where the channels' program is too large to be reversed.
     [[nodiscard]] const lpe::ReversedProgram* reversed() const { return reversed_ ? &*reversed_ : nullptr; }
-    /// Whether suffixes keep their events, which a path atlas needs.
-    [[nodiscard]] bool keeps_paths() const { return keeps_paths_; }
+    /// An empty pool of suffixes.
+    [[nodiscard]] display::PathSuffixes pool() const;
     /// Liveness by path suffixes. If beauty is requested, which takes everything, all suffixes are live.
     [[nodiscard]] const display::SuffixLiveness& liveness() const { return liveness_; }
     /// What is live for a suffix that is a light alone. Nothing is live for lights that no channel takes. This holds
@@ -187,8 +187,8 @@ class LightLanguage {
 
   private:
     const EventTable* events_;
-    bool keeps_paths_, prunes_;
-    std::optional<lpe::ReversedProgram> reversed_;
+    bool keeps_paths_, prunes_, has_layers_ = false;
+    std::optional<lpe::ReversedProgram> reversed_, reversed_layers_;
     display::SuffixLiveness liveness_;
 };
 
@@ -199,7 +199,7 @@ class LightRecord {
     LightRecord(const EventTable& events, const LightLanguage* language, std::size_t rows)
         : events_(&events), language_(language) {
         if (language == nullptr) return;
-        pool_.emplace(language->reversed(), language->keeps_paths());
+        pool_.emplace(language->pool());
         suffixes_of_row_.resize(rows);
     }
     /// Clears all suffixes.

@@ -67,7 +67,7 @@ struct Liveness::Builder {
     Liveness& result;
     const Alphabet& alphabet;
     const std::vector<EventClass> scatterings = distinct(alphabet.scatterings), straight = distinct(alphabet.straight),
-                                  user = distinct(alphabet.user);
+                                  user = distinct(alphabet.user), ends = distinct(alphabet.terminals);
     const std::vector<EventClass> steps = [this] {
         std::vector<EventClass> both = scatterings;
         both.insert(both.end(), straight.begin(), straight.end());
@@ -78,16 +78,16 @@ struct Liveness::Builder {
     /// the automaton accepts after these events more.
     template <class Step, class Accepts>
     std::vector<LiveSet> run(std::size_t state_count, Step step, Accepts accepts, StateSets first) const {
-        StateSets terminals(state_count), ends(state_count);
+        StateSets terminals(state_count), accepting(state_count);
         for (State state = 1; state < state_count; ++state) {
-            for (const EventClass terminal : result.terminals_)
+            for (const EventClass terminal : ends)
                 if (accepts(state, {terminal})) terminals[state] |= result.bit_of(terminal);
-            ends[state] = terminals[state] != 0 || std::any_of(user.begin(), user.end(), [&](EventClass event) {
-                              return accepts(state, {event, alphabet.user_terminal});
-                          });
+            accepting[state] = terminals[state] != 0 || std::any_of(user.begin(), user.end(), [&](EventClass event) {
+                                   return accepts(state, {event, alphabet.user_terminal});
+                               });
         }
         const lpe::LivenessTable table(state_count, step);
-        const StateSets anything = table.eventually(steps, std::move(ends));
+        const StateSets anything = table.eventually(steps, std::move(accepting));
         const StateSets scatters = table.eventually(straight, table.before(scatterings, anything));
         terminals = table.eventually(straight, std::move(terminals));
         const StateSets reached = table.reached(steps, std::move(first));
@@ -149,17 +149,43 @@ struct Liveness::Builder {
     }
 };
 
+/// Gives terminals bits in the order of the scene. Terminals with which a class ends alike share one, so that its bits
+/// do not depend on other channels.
+void Liveness::find_bits(const LpeSetup& setup, const std::vector<EventClass>& terminals) {
+    const ProgramView& program = *program_;
+    std::vector<State> of_class;
+    if (setup.is_of_class()) {
+        const lpe::LivenessTable table(program.state_count,
+                                       [&](State from, EventClass event) { return program.next(from, event); });
+        StateSets reached(program.state_count);
+        reached[program.starts[0]] = 1;
+        reached = table.reached(lpe::all_classes(program.class_count), std::move(reached));
+        for (State state = 1; state < program.state_count; ++state)
+            if (reached[state] != 0) of_class.push_back(state);
+    }
+    std::map<std::vector<State>, std::size_t> number;
+    bits_.resize(program.class_count);
+    for (const EventClass terminal : terminals) {
+        std::vector<State> alike;
+        for (const State state : of_class) alike.push_back(program.accepted(program.next(state, terminal)).empty());
+        if (!setup.is_of_class()) alike.push_back(terminal);
+        const std::size_t bit = number.emplace(std::move(alike), number.size()).first->second;
+        bits_[terminal] = std::uint64_t{1} << std::min<std::size_t>(bit, 63);
+    }
+}
+
 Liveness::Liveness(const LpeSetup& setup, const Alphabet& alphabet) {
-    const ProgramView& program = setup.program().view();
+    const ProgramView& program = setup.main();
     if (program.word_count == 0) return;
     program_ = &program;
-    terminals_ = distinct(alphabet.terminals);
+    find_bits(setup, alphabet.terminals);
     at_camera_ = {0, false, false};
     const Builder builder{*this, alphabet};
     const std::vector<State>& first = setup.first_states_;  // after the camera event; empty where all are dead
     has_parallel_ = program.has_parallel() && !first.empty();
     const std::size_t tables = first.empty() ? 0 : program.table_count - (has_parallel_ ? 1 : 0);
     builder.find_tables({first.data(), tables});
+    std::sort(sets_.begin(), sets_.end());
     if (first.empty()) return;
     if (has_parallel_) {
         underway_ = first[tables];
@@ -206,11 +232,6 @@ std::uint64_t Liveness::state_of(const Tracker& tracker) const {
     const std::size_t words = std::size_t{tracker.count_} * tracker.groups_;
     for (std::size_t i = 0; i < words; ++i) state = mix_bits(state ^ tracker.state_[i]);
     return state | 1;
-}
-
-std::uint64_t Liveness::bit_of(lpe::EventClass terminal) const {
-    const auto at = std::lower_bound(terminals_.begin(), terminals_.end(), terminal) - terminals_.begin();
-    return std::uint64_t{1} << std::min<std::ptrdiff_t>(at, 63);
 }
 
 }  // namespace raylex::display

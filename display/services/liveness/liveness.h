@@ -47,8 +47,10 @@ class Liveness {
     /// A hash of the tracker's states without their shares. Two different states have the same hash with probability
     /// 2^-63. 0 if there are no tables.
     [[nodiscard]] std::uint64_t state_of(const Tracker& tracker) const;
-    /// The bit in LiveSet::terminals of a class in Alphabet::terminals. All classes after the 63rd share the last bit.
-    [[nodiscard]] std::uint64_t bit_of(lpe::EventClass terminal) const;
+    /// The bit in LiveSet::terminals of a class in Alphabet::terminals. All kinds after the 63rd share the last bit.
+    [[nodiscard]] std::uint64_t bit_of(lpe::EventClass terminal) const {
+        return terminal < bits_.size() ? bits_[terminal] : 1;
+    }
     /// The values of LiveSet::terminals in the states that paths of the scene reach, for each automaton. The value of a
     /// path is a union of some of these.
     [[nodiscard]] const std::vector<std::uint64_t>& sets_of_terminals() const { return sets_; }
@@ -62,13 +64,14 @@ class Liveness {
         LiveSet live;
         std::vector<std::uint32_t> masks;  // laid out as one terminal of ProgramView::parallel_accept
     };
+    void find_bits(const LpeSetup& setup, const std::vector<lpe::EventClass>& terminals);
     [[nodiscard]] LiveSet of_branch(const lpe::State* words) const;
     [[nodiscard]] LiveSet of_parallel(const Tracker& tracker) const;
     [[nodiscard]] LiveSet after_parallel(const Tracker& tracker, std::span<const lpe::EventClass> scatterings) const;
 
     const lpe::ProgramView* program_ = nullptr;
-    std::vector<LiveSet> states_;             // [table state]; empty: nothing is known
-    std::vector<lpe::EventClass> terminals_;  // distinct, ascending
+    std::vector<LiveSet> states_;      // [table state]; empty: nothing is known
+    std::vector<std::uint64_t> bits_;  // [event class] of terminals
     std::vector<std::uint64_t> sets_;
     bool has_parallel_ = false;
     lpe::State underway_ = 0;            // the phase in which bit-parallel automata are live

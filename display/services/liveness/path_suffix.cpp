@@ -33,6 +33,7 @@ PathSuffix LpeServices::begin(PathSuffixes& pool, lpe::EventClass terminal) cons
     PathSuffix suffix = begin_states(pool, terminal);
     const LobePart only{terminal, Rgb(1)};
     suffix.path_ = pool.keep_path({&only, 1}, nullptr);
+    if (pool.layers_) suffix.set_layers(begin_states(*pool.layers_, terminal));
     return suffix;
 }
 
@@ -41,6 +42,10 @@ PathSuffix LpeServices::prepend(PathSuffixes& pool, const PathSuffix& suffix, lp
     longer.length_ = static_cast<std::uint16_t>(suffix.length_ + 1);
     const LobePart all{event, Rgb(1)};
     longer.path_ = pool.keep_path({&all, 1}, &suffix);
+    if (pool.layers_ && longer.live()) {
+        const Branches of_class = pool.branches_of(longer);
+        longer.set_layers(prepend_states(*pool.layers_, suffix.layers(), event, &of_class));
+    }
     return longer;
 }
 
@@ -49,6 +54,10 @@ PathSuffix LpeServices::prepend(PathSuffixes& pool, const PathSuffix& suffix, st
     PathSuffix longer = prepend_states(pool, suffix, parts, key);
     longer.length_ = static_cast<std::uint16_t>(suffix.length_ + 1);
     longer.path_ = pool.keep_path(parts, &suffix);
+    if (pool.layers_ && longer.live()) {
+        const Branches of_class = pool.branches_of(longer);
+        longer.set_layers(prepend_states(*pool.layers_, suffix.layers(), parts, mix_bits(key), &of_class));
+    }
     return longer;
 }
 
@@ -74,10 +83,11 @@ PathSuffix LpeServices::begin_states(PathSuffixes& pool, lpe::EventClass termina
     return prepend_states(pool, suffix, terminal);
 }
 
-PathSuffix LpeServices::prepend_states(PathSuffixes& pool, const PathSuffix& suffix, lpe::EventClass event) const {
+PathSuffix LpeServices::prepend_states(PathSuffixes& pool, const PathSuffix& suffix, lpe::EventClass event,
+                                       const Branches* of_class) const {
     const LobePart all{event, Rgb(1)};
     if (pool.reversed_ == nullptr) return pool.keep({&all, 1}, &suffix);
-    if (!suffix.whole_) return prepend_split(pool, suffix, {&all, 1}, 0).suffix;
+    if (!suffix.whole_) return prepend_split(pool, suffix, {&all, 1}, 0, of_class).suffix;
     PathSuffix longer = suffix;
     if (suffix.branches_ == 0) return longer;
     const std::size_t at = pool.states_.size();
@@ -89,28 +99,32 @@ PathSuffix LpeServices::prepend_states(PathSuffixes& pool, const PathSuffix& suf
 }
 
 PathSuffix LpeServices::prepend_states(PathSuffixes& pool, const PathSuffix& suffix, std::span<const LobePart> parts,
-                                       std::uint64_t key) {
+                                       std::uint64_t key, const Branches* of_class) {
     if (pool.reversed_ == nullptr) return pool.keep(parts, &suffix);
     if (suffix.branches_ == 0 || parts.size() == 1)
-        return parts.empty() ? suffix : prepend_states(pool, suffix, parts[0].event);
+        return parts.empty() ? suffix : prepend_states(pool, suffix, parts[0].event, of_class);
     if (parts.empty()) return {};
-    const SplitSuffix split = prepend_split(pool, suffix, parts, key);
+    const SplitSuffix split = prepend_split(pool, suffix, parts, key, of_class);
     if (split.overflow) ++overflow_count_;
     return split.suffix;
 }
 
 LpeServices::SplitSuffix LpeServices::prepend_split(PathSuffixes& pool, const PathSuffix& suffix,
-                                                    std::span<const LobePart> parts, std::uint64_t key) const {
+                                                    std::span<const LobePart> parts, std::uint64_t key,
+                                                    const Branches* of_class) const {
     const lpe::ReversedProgram& reversed = *pool.reversed_;
     ChoiceNumbers numbers([&] { return mix_bits(mix_bits(seed_ + golden_gamma) ^ key); });
     Fractions fractions(parts);
     if (attribution_ == Attribution::picked) fractions.pick(numbers.next());
-    BranchList branches(reversed.word_count());
-    branches.split({pool.states(suffix), pool.shares(suffix), suffix.branches_, reversed.word_count()}, parts,
-                   fractions, PathSuffixes::capacity, numbers,
+    BranchList branches(reversed.word_count(), of_class != nullptr);
+    const std::size_t most = of_class != nullptr    ? Tracker::layer_capacity
+                             : setup_.is_of_class() ? Tracker::class_capacity
+                                                    : PathSuffixes::capacity;
+    branches.split(pool.branches_of(suffix), parts, fractions, most, numbers,
                    [&](const lpe::State* from, lpe::EventClass event, lpe::State* to) {
-                       return reversed.prepend(from, event, to);
+                       return reversed.prepend(from, event, to) && (of_class == nullptr || of_class->has_state(to[0]));
                    });
+    if (of_class != nullptr) branches.fit(*of_class);
     SplitSuffix result;
     result.overflow = branches.overflow;
     PathSuffix& longer = result.suffix;
@@ -129,15 +143,25 @@ LpeServices::SplitSuffix LpeServices::prepend_split(PathSuffixes& pool, const Pa
 
 void LpeServices::connect_states(Tracker& tracker, const PathSuffixes& pool, const PathSuffix& suffix) {
     if (tracker.count_ == 0) return;
-    if (pool.reversed_ == nullptr) {
-        if (!suffix.live()) tracker.count_ = 0;
-        for (std::uint32_t at = suffix.state_; tracker.count_ != 0;) {
-            const PathSuffixes::Event& event = pool.events_[at];
-            move_states(tracker, {pool.parts_.data() + event.first, event.count});
-            if (event.next == std::exchange(at, event.next)) return;
-        }
-        return;
+    if (pool.reversed_ == nullptr) return move_along(tracker, pool, suffix);
+    if (tracker.layer_count_ != 0) [[unlikely]] {
+        const Tracker camera = tracker;
+        connect_main(tracker, pool, suffix);
+        return connect_layers(camera, *pool.layers_, suffix.layers(), tracker);
     }
+    connect_main(tracker, pool, suffix);
+}
+
+void LpeServices::move_along(Tracker& tracker, const PathSuffixes& pool, const PathSuffix& suffix) {
+    if (!suffix.live()) tracker.count_ = tracker.layer_count_ = 0;
+    for (std::uint32_t at = suffix.state_; tracker.count_ != 0;) {
+        const PathSuffixes::Event& event = pool.events_[at];
+        move_states(tracker, {pool.parts_.data() + event.first, event.count});
+        if (event.next == std::exchange(at, event.next)) return;
+    }
+}
+
+void LpeServices::connect_main(Tracker& tracker, const PathSuffixes& pool, const PathSuffix& suffix) {
     const lpe::ReversedProgram& reversed = *pool.reversed_;
     if (tracker.whole_ && suffix.whole_) {
         lpe::State* const state = tracker.state_.data();
@@ -147,25 +171,51 @@ void LpeServices::connect_states(Tracker& tracker, const PathSuffixes& pool, con
     // One move for each event, so that each connection of a camera vertex draws its own numbers.
     tracker.moves_ = static_cast<std::uint16_t>(tracker.moves_ + suffix.length_);
     ChoiceNumbers numbers([&] { return random_key(tracker, {}); });
-    const std::size_t target = branch_limit(tracker);
-    const Branches of_camera = branches_of(tracker);
-    const Branches of_light{pool.states(suffix), pool.shares(suffix), suffix.branches_, reversed.word_count()};
-    BranchList joined(of_camera.words);
-    const auto shrink = [&] {
-        joined.collapse(target, numbers.next());
-        joined.overflow = true;
-    };
-    joined.whole = false;
-    for (std::size_t i = 0; i < of_camera.count; ++i)
-        for (std::size_t k = 0; k < of_light.count; ++k) {
-            if (!joined.has_room_for(1)) shrink();
-            lpe::State* const whole = joined.candidates();
-            if (!reversed.connect(of_camera.state_of(i), of_light.state_of(k), whole)) continue;
-            const RgbD share = of_camera.share_of(i) * of_light.share_of(k);
-            if (share.r != 0 || share.g != 0 || share.b != 0) joined.add(whole, share);
+    BranchList joined(tracker.groups_);
+    joined.join(tracker.branches_of_main(), pool.branches_of(suffix), branch_limit(tracker), numbers,
+                [&](const lpe::State* camera, const lpe::State* light, lpe::State* whole) {
+                    return reversed.connect(camera, light, whole);
+                });
+    take(tracker.main(), joined);
+}
+
+/// Connects the layers of `camera` with a suffix. `connected` is the tracker whose class is already connected.
+void LpeServices::connect_layers(const Tracker& camera, const PathSuffixes& pool, const PathSuffix& suffix,
+                                 Tracker& connected) {
+    connected.layer_count_ = 0;
+    const Branches of_class = connected.branches_of_main();
+    if (of_class.count == 0) return;
+    ChoiceNumbers numbers([&] { return mix_bits(random_key(connected, {})); });
+    BranchList one(camera.layer_groups_, true), other(camera.layer_groups_, true);
+    BranchList *joined = &one, *before = &other;
+    if (pool.reversed_ != nullptr) {
+        joined->join(camera.branches_of_layers(), pool.branches_of(suffix), Tracker::layer_capacity, numbers,
+                     [&](const lpe::State* of_camera, const lpe::State* of_light, lpe::State* whole) {
+                         return pool.reversed_->connect(of_camera, of_light, whole);
+                     });
+    } else if (suffix.live()) {
+        // Moves along the events, where the class is in more states than a tracker keeps.
+        Branches from = camera.branches_of_layers();
+        const PathSuffixes::Event* event = &pool.events_[suffix.state_];
+        for (bool is_last = false; !is_last; event = &pool.events_[event->next]) {
+            const std::span<const LobePart> parts(pool.parts_.data() + event->first, event->count);
+            is_last = &pool.events_[event->next] == event;
+            std::swap(before, joined);
+            joined->clear();
+            Fractions fractions(parts);
+            if (attribution_ == Attribution::picked) fractions.pick(numbers.next());
+            joined->split(from, parts, fractions, is_last ? Tracker::layer_capacity : 3 * Tracker::capacity, numbers,
+                          [&](const lpe::State* at, lpe::EventClass moved, lpe::State* to) {
+                              const bool lives = setup_.program_.view().advance(at, moved, to);
+                              if (is_last) to[0] = of_class.state[0];  // its accepting states are one
+                              return lives;
+                          });
+            from = joined->branches();
         }
-    if (joined.count > target) shrink();
-    take(tracker, joined);
+    }
+    joined->fit(of_class);
+    joined->whole = joined->whole && of_class.share == nullptr;
+    take(connected.layers(), *joined);
 }
 
 }  // namespace raylex::display

@@ -19,6 +19,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -44,6 +45,25 @@ class PathSuffix {
     std::uint16_t length_ = 1;             // number of events; it differs between the suffixes of one light subpath
     std::uint8_t branches_ = 0;
     bool whole_ = true;  // not split yet: one branch at most, its share 1 and not stored
+    // The same of the channels beside a class, in PathSuffixes::layers_.
+    bool layers_whole_ = true;
+    std::uint8_t layer_branches_ = 0;
+    std::uint32_t layer_state_ = 0, layer_share_ = 0;
+
+    [[nodiscard]] PathSuffix layers() const {
+        PathSuffix suffix;
+        suffix.state_ = layer_state_;
+        suffix.share_ = layer_share_;
+        suffix.branches_ = layer_branches_;
+        suffix.whole_ = layers_whole_;
+        return suffix;
+    }
+    void set_layers(const PathSuffix& suffix) {
+        layer_state_ = suffix.state_;
+        layer_share_ = suffix.share_;
+        layer_branches_ = suffix.branches_;
+        layers_whole_ = suffix.whole_;
+    }
 };
 
 /// The suffixes of one thread. It keeps its memory from batch to batch.
@@ -54,7 +74,13 @@ class PathSuffixes {
     /// `keeps_paths`: a path atlas needs the events as well.
     explicit PathSuffixes(const lpe::ReversedProgram* reversed, bool keeps_paths = false)
         : reversed_(reversed), keeps_paths_(keeps_paths) {}
-    void clear() { states_.clear(), shares_.clear(), events_.clear(), parts_.clear(); }
+    /// Where the beauty is a class, `reversed` above reverses LpeSetup::main(), and this is the whole program,
+    /// reversed, or null: the suffixes of the other channels.
+    void add_layers(const lpe::ReversedProgram* reversed) { layers_ = std::make_unique<PathSuffixes>(reversed); }
+    void clear() {
+        states_.clear(), shares_.clear(), events_.clear(), parts_.clear();
+        if (layers_) layers_->clear();
+    }
 
   private:
     friend class SuffixLiveness;
@@ -62,6 +88,10 @@ class PathSuffixes {
     [[nodiscard]] const lpe::State* states(const PathSuffix& suffix) const { return states_.data() + suffix.state_; }
     [[nodiscard]] const BranchShare* shares(const PathSuffix& suffix) const {
         return suffix.whole_ ? nullptr : shares_.data() + suffix.share_;
+    }
+
+    [[nodiscard]] Branches branches_of(const PathSuffix& suffix) const {
+        return {states(suffix), shares(suffix), suffix.branches_, reversed_ == nullptr ? 0 : reversed_->word_count()};
     }
 
     struct Event {
@@ -75,6 +105,7 @@ class PathSuffixes {
 
     const lpe::ReversedProgram* reversed_;
     bool keeps_paths_ = false;
+    std::unique_ptr<PathSuffixes> layers_;
     std::vector<lpe::State> states_;
     std::vector<BranchShare> shares_;
     std::vector<Event> events_;

@@ -10,7 +10,7 @@ using lpe::StateSets;
 
 SuffixLiveness::SuffixLiveness(const LpeSetup& setup, const lpe::ReversedProgram* reversed,
                                const Liveness::Alphabet& alphabet) {
-    const lpe::ProgramView& program = setup.program().view();
+    const lpe::ProgramView& program = setup.main();
     if (reversed == nullptr || program.has_parallel() || program.word_count == 0) return;
     program_ = &program;
     reversed_ = reversed;

@@ -26,8 +26,8 @@ class SuffixLiveness {
 
     /// Without tables: everything is live.
     SuffixLiveness() = default;
-    /// `reversed` reads the path strings of `setup` from their ends; both must outlive this object. Everything is live
-    /// if it is null, or if the program has bit-parallel automata (lpe/program_view.h).
+    /// `reversed` reads the path strings of setup.main() from their ends; both must outlive this object. Everything is
+    /// live if it is null, or if the program has bit-parallel automata (lpe/program_view.h).
     SuffixLiveness(const LpeSetup& setup, const lpe::ReversedProgram* reversed, const Liveness::Alphabet& alphabet);
 
     /// What is live for a suffix that is a light's terminal alone.

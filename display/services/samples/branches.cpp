@@ -31,14 +31,38 @@ void BranchList::compact() {
 }
 
 void BranchList::collapse(std::size_t target, double random) {
-    const std::size_t chosen_count = count - target + 3;
+    if (beside_class_) collapse_each_class(target, random);
+    if (count > target) collapse(0, count, target, random);
+    compact();
+}
+
+/// Sorts the branches by the state of the class, and collapses each run of one state.
+void BranchList::collapse_each_class(std::size_t target, double random) {
+    std::array<std::size_t, room + 1> begin{0};
+    std::size_t classes = 0;
+    for (std::size_t end = 0; end < count; begin[++classes] = end) {
+        const lpe::State of_class = class_of(end);
+        for (std::size_t i = end; i < count; ++i) {
+            if (class_of(i) != of_class) continue;
+            std::swap_ranges(&state[i * words_], &state[i * words_] + words_, &state[end * words_]);
+            std::swap(share[i], share[end++]);
+        }
+    }
+    const std::size_t each = std::max(std::size_t{3}, target / classes);
+    for (std::size_t k = 0; k < classes; ++k)
+        if (begin[k + 1] - begin[k] > each) collapse(begin[k], begin[k + 1], each, random);
+    compact();
+}
+
+void BranchList::collapse(std::size_t first, std::size_t last, std::size_t target, double random) {
+    const std::size_t chosen_count = last - first - target + 3;
     std::array<std::uint16_t, room> order;
     const auto begin = order.begin();
     const auto nth = [&](std::size_t n) { return begin + static_cast<std::ptrdiff_t>(n); };
-    std::iota(begin, nth(count), std::uint16_t{0});
+    std::iota(begin, nth(last - first), static_cast<std::uint16_t>(first));
     std::array<double, room> sizes;
-    for (std::size_t i = 0; i < count; ++i) sizes[i] = size(i);
-    std::partial_sort(begin, nth(chosen_count), nth(count), [&](std::uint16_t a, std::uint16_t b) {
+    for (std::size_t i = first; i < last; ++i) sizes[i] = size(i);
+    std::partial_sort(begin, nth(chosen_count), nth(last - first), [&](std::uint16_t a, std::uint16_t b) {
         return sizes[a] != sizes[b] ? sizes[a] < sizes[b] : a < b;
     });
     for (double BranchShare::*const color : {&BranchShare::r, &BranchShare::g, &BranchShare::b}) {
@@ -55,7 +79,22 @@ void BranchList::collapse(std::size_t target, double random) {
         }
         share[survivor].*color = total;
     }
-    compact();
+}
+
+void BranchList::fit(const Branches& of_class) {
+    if (of_class.share == nullptr) return;  // the shares sum to 1
+    for (std::size_t k = 0; k < of_class.count; ++k) {
+        const RgbD wanted = of_class.share_of(k);
+        RgbD total, scale;
+        for (std::size_t i = 0; i < count; ++i)
+            if (class_of(i) == of_class.state[k]) total += share[i].rgb();
+        for (int c = 0; c < 3; ++c) scale[c] = total[c] > 0 ? wanted[c] / total[c] : 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            if (class_of(i) != of_class.state[k]) continue;
+            const RgbD fitted = share[i].rgb() * scale;
+            share[i] = {fitted.r, fitted.g, fitted.b};
+        }
+    }
 }
 
 }  // namespace raylex::display

@@ -58,17 +58,6 @@ class Fractions {
     std::array<bool, 3> proportional_{};
 };
 
-/// Branches before a move, in place. `share` null: at most one branch, with share 1.
-struct Branches {
-    const lpe::State* state = nullptr;
-    const BranchShare* share = nullptr;
-    std::size_t count = 0;
-    std::size_t words = 0;  ///< words of a state
-
-    [[nodiscard]] const lpe::State* state_of(std::size_t branch) const { return state + branch * words; }
-    [[nodiscard]] RgbD share_of(std::size_t branch) const { return share == nullptr ? RgbD(1.0) : share[branch].rgb(); }
-};
-
 /// Branches after a move, with equal states merged.
 class BranchList {
   public:
@@ -79,8 +68,16 @@ class BranchList {
     std::array<lpe::State, room * most_words> state;  // uninitialised, like the shares
     std::array<BranchShare, room> share;
 
-    explicit BranchList(std::size_t state_words) : words_(state_words) {}
+    /// `beside_class`: the first word of a state is that of a class, and collapse() keeps the share of each.
+    explicit BranchList(std::size_t state_words, bool beside_class = false)
+        : words_(state_words), beside_class_(beside_class) {}
 
+    void clear() {
+        count = 0;
+        whole = true;
+        overflow = false;
+    }
+    [[nodiscard]] Branches branches() const { return {state.data(), whole ? nullptr : share.data(), count, words_}; }
     [[nodiscard]] bool has_room_for(std::size_t more) const { return count + more <= room; }
     /// The memory for candidates of further branches, which are contiguous.
     [[nodiscard]] lpe::State* candidates() { return &state[count * words_]; }
@@ -106,18 +103,30 @@ class BranchList {
     template <class Advance, class Numbers>
     void split(const Branches& from, std::span<const LobePart> parts, const Fractions& fractions, std::size_t target,
                Numbers& numbers, Advance advance);
+    /// Joins the branches of a camera subpath with those of a light subpath: `connect(camera, light, whole)` for each
+    /// pair.
+    template <class Connect, class Numbers>
+    void join(const Branches& of_camera, const Branches& of_light, std::size_t target, Numbers& numbers,
+              Connect connect);
     /// Reduces the number of branches to `target` by collapsing the smallest ones. Per colour, the collapse moves the
     /// whole share of the chosen branches to one of them, drawn in proportion to its share. So the sum is preserved
     /// exactly, and the expected share of each branch is unchanged. One random number serves the three colours, so that
     /// they usually choose the same survivor; at most three survive, so three branches more than the excess are chosen.
     void collapse(std::size_t target, double random);
+    /// Scales the shares so that those of each state of the class sum to its share in `of_class`, after which no shares
+    /// are 1.
+    void fit(const Branches& of_class);
 
   private:
+    void collapse(std::size_t first, std::size_t last, std::size_t target, double random);
+    void collapse_each_class(std::size_t target, double random);
+    [[nodiscard]] lpe::State class_of(std::size_t i) const { return state[i * words_]; }
     [[nodiscard]] double size(std::size_t i) const { return share[i].r + share[i].g + share[i].b; }
     /// Removes branches whose shares are all 0.
     void compact();
 
     std::size_t words_;
+    bool beside_class_;
 };
 
 template <class Advance, class Numbers>
@@ -149,6 +158,24 @@ void BranchList::split(const Branches& from, std::span<const LobePart> parts, co
             if (part.r != 0 || part.g != 0 || part.b != 0) add(next + j * words_, part);
         }
     }
+    if (count > target) shrink();
+}
+
+template <class Connect, class Numbers>
+void BranchList::join(const Branches& of_camera, const Branches& of_light, std::size_t target, Numbers& numbers,
+                      Connect connect) {
+    const auto shrink = [&] {
+        collapse(target, numbers.next());
+        overflow = true;
+    };
+    whole = of_camera.share == nullptr && of_light.share == nullptr;
+    for (std::size_t i = 0; i < of_camera.count; ++i)
+        for (std::size_t k = 0; k < of_light.count; ++k) {
+            if (!has_room_for(1)) shrink();
+            if (!connect(of_camera.state_of(i), of_light.state_of(k), candidates())) continue;
+            const RgbD part = of_camera.share_of(i) * of_light.share_of(k);
+            if (part.r != 0 || part.g != 0 || part.b != 0) add(candidates(), part);
+        }
     if (count > target) shrink();
 }
 

@@ -18,6 +18,7 @@ Status LpeSetup::keep_path_strings(PathAlphabet alphabet) {
                                 " kinds of events, too many to follow both at once; expected fewer channels with "
                                 "a path atlas, which can compute them afterwards");
     program_ = program_.with_columns(columns);
+    find_main();
     alphabet_ = std::make_shared<const PathAlphabet>(std::move(alphabet));
     return success();
 }

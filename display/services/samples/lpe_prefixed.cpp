@@ -67,19 +67,23 @@ void LpeSetup::find_liveness() {
 }
 
 bool LpeServices::is_live(const Tracker& tracker) const {
-    for (std::size_t branch = 0; branch < tracker.count_; ++branch)
-        if (is_live(&tracker.state_[branch * tracker.groups_], tracker.held_out_)) return true;
-    return false;
+    const auto any = [&](const lpe::ProgramView& program, const Branches& list) {
+        for (std::size_t branch = 0; branch < list.count; ++branch)
+            if (is_live(program, list.state_of(branch), tracker.held_out_)) return true;
+        return false;
+    };
+    // Beside a class only channels of held out paths have a liveness of their own.
+    return any(setup_.main_, tracker.branches_of_main()) ||
+           (tracker.held_out_ && any(setup_.program_.view(), tracker.branches_of_layers()));
 }
 
 bool LpeServices::needs_visibility(const Tracker& tracker) const {
     if (takes_all(tracker)) return true;
     bool needed = false;
-    for (std::size_t branch = 0; branch < tracker.count_; ++branch)
-        setup_.program_.for_each_accepted(&tracker.state_[branch * tracker.groups_], [&](std::uint16_t channel) {
-            const ChannelPrefixes& prefixes = setup_.prefixes_[channel];
-            needed = needed || (prefixes.holdouts == tracker.held_out_ && !prefixes.unoccluded);
-        });
+    for_each_accepted(tracker, [&](std::uint16_t channel, const RgbD&) {
+        const ChannelPrefixes& prefixes = setup_.prefixes_[channel];
+        needed = needed || (prefixes.holdouts == tracker.held_out_ && !prefixes.unoccluded);
+    });
     return needed;
 }
 
@@ -115,23 +119,19 @@ void LpeServices::contribute_slow_path(const Report& report, const Tracker& trac
         splat(setup_.beauty_, whole);
         if (path_strings_ != nullptr) keep_light(value, *report.technique, tracker);
     }
-    const std::size_t groups = tracker.groups_;
-    for (std::size_t branch = 0; branch < tracker.count_; ++branch) {
-        const RgbD share = tracker.whole_ ? RgbD(1.0) : tracker.share_[branch].rgb();
-        setup_.program_.for_each_accepted(&tracker.state_[branch * groups], [&](std::uint16_t channel) {
-            const ChannelPrefixes& prefixes = setup_.prefixes_[channel];
-            if (prefixes.holdouts != tracker.held_out_) return;
-            if (!prefixes.own_value()) {
-                if (valid && !black) splat(setup_.channel_of_accept_[channel], whole * share);
-                return;
-            }
-            if (shares_[channel] == unused) {
-                sharing_.push_back(channel);
-                shares_[channel] = RgbD();
-            }
-            shares_[channel] += share;
-        });
-    }
+    for_each_accepted(tracker, [&](std::uint16_t channel, const RgbD& share) {
+        const ChannelPrefixes& prefixes = setup_.prefixes_[channel];
+        if (prefixes.holdouts != tracker.held_out_) return;
+        if (!prefixes.own_value()) {
+            if (valid && !black) splat(setup_.channel_of_accept_[channel], whole * share);
+            return;
+        }
+        if (shares_[channel] == unused) {
+            sharing_.push_back(channel);
+            shares_[channel] = RgbD();
+        }
+        shares_[channel] += share;
+    });
     if (sharing_.empty()) return;
     splat_slow_path(report, tracker, valid);
     for (const std::uint16_t channel : sharing_) shares_[channel] = unused;

@@ -57,6 +57,8 @@ Result<std::vector<lpe::ChannelSource>> collect_sources(std::span<const ChannelD
 Result<LpeSetup> LpeSetup::build(std::span<const ChannelDefinition> channels, ChannelId beauty,
                                  const lpe::CompileOptions& options) {
     LpeSetup setup;
+    setup.of_class_ = options.first_alone;
+    setup.find_main();
     setup.beauty_ = beauty;
     for (const ChannelDefinition& channel : channels)
         if (channel.style == ChannelStyle::expression)
@@ -66,9 +68,13 @@ Result<LpeSetup> LpeSetup::build(std::span<const ChannelDefinition> channels, Ch
     if (!sources) return sources.error();
     if (sources->empty()) return setup;
     if (const Status status = setup.read_channel_prefixes(channels); !status) return status.error();
-    Result<lpe::Program> program = lpe::Program::compile(*sources, options);
+    lpe::CompileOptions limited = options;
+    if (options.first_alone)
+        limited.word_cap = std::min(options.word_cap, static_cast<std::size_t>(Tracker::layer_group_limit));
+    Result<lpe::Program> program = lpe::Program::compile(*sources, limited);
     if (!program) return program.error();
     setup.program_ = std::move(*program);
+    setup.find_main();
     const lpe::Program& compiled = setup.program_;
     if (compiled.group_count() > Tracker::group_limit)
         return error_at({},
@@ -76,13 +82,22 @@ Result<LpeSetup> LpeSetup::build(std::span<const ChannelDefinition> channels, Ch
                             " words of state; expected at most " + std::to_string(Tracker::group_limit),
                         "request fewer channels whose expressions begin with `C.*`, or raise the state cap");
     setup.targets_ = SplatTargets(compiled.view(), setup.channel_of_accept_);
-    setup.first_states_.resize(compiled.word_count());
-    if (!compiled.advance(compiled.starts().data(), compiled.classify(lpe::Event{}), setup.first_states_.data()))
-        setup.first_states_.clear();
+    std::vector<lpe::State>& first = setup.first_states_;
+    first.resize(compiled.word_count());
+    if (!compiled.advance(compiled.starts().data(), compiled.classify(lpe::Event{}), first.data())) first.clear();
+    if (setup.has_layers() && !first.empty()) {
+        setup.first_layer_states_ = first;
+        first.resize(1);
+    }
     for (const lpe::ChannelSource& source : *sources)
         setup.has_user_events_ = setup.has_user_events_ || source.expression.find('U') != std::string::npos;
     setup.find_liveness();
     return setup;
+}
+
+void LpeSetup::find_main() {
+    main_ = program_.view();
+    if (of_class_ && main_.table_count > 0) main_.word_count = main_.table_count = 1;
 }
 
 LpeServices::LpeServices(const LpeSetup& setup, SampleTable& table, std::uint64_t seed, Attribution attribution)
@@ -111,40 +126,38 @@ std::uint64_t LpeServices::random_key(const Tracker& tracker, const LobePart& fi
     return key;
 }
 
-Branches LpeServices::branches_of(const Tracker& tracker) {
-    return {tracker.state_.data(), tracker.whole_ ? nullptr : tracker.share_.data(), tracker.count_, tracker.groups_};
-}
-
-std::size_t LpeServices::branch_limit(const Tracker& tracker) {
+std::size_t LpeServices::branch_limit(const Tracker& tracker) const {
+    if (setup_.is_of_class()) return Tracker::class_capacity;
     return std::min<std::size_t>(Tracker::capacity, std::size_t{Tracker::state_room} / tracker.groups_);
 }
 
-void LpeServices::take(Tracker& tracker, const BranchList& branches) {
+void LpeServices::take(Tracker::List list, const BranchList& branches) {
     if (branches.overflow) ++overflow_count_;
-    tracker.whole_ = branches.whole;
-    tracker.count_ = static_cast<std::uint8_t>(branches.count);
-    const std::size_t states = branches.count * tracker.groups_;
-    for (std::size_t i = 0; i < states; ++i) tracker.state_[i] = branches.state[i];
-    for (std::size_t i = 0; i < branches.count && !branches.whole; ++i) tracker.share_[i] = branches.share[i];
+    list.whole = branches.whole;
+    list.count = static_cast<std::uint8_t>(branches.count);
+    const std::size_t states = branches.count * list.words;
+    for (std::size_t i = 0; i < states; ++i) list.state[i] = branches.state[i];
+    for (std::size_t i = 0; i < branches.count && !branches.whole; ++i) list.share[i] = branches.share[i];
 }
 
 /// Splits branch by branch, and merges equal states at once.
 void LpeServices::split(Tracker& tracker, std::span<const LobePart> parts) {
     if (parts.empty()) {
-        tracker.count_ = 0;
+        tracker.count_ = tracker.layer_count_ = 0;
         return;
     }
     ++tracker.moves_;
     ChoiceNumbers numbers([&] { return random_key(tracker, parts[0]); });
     Fractions fractions(parts);
     if (attribution_ == Attribution::picked) fractions.pick(numbers.next());
-    const lpe::ProgramView& program = setup_.program_.view();
+    const lpe::ProgramView& program = setup_.main_;
     BranchList branches(tracker.groups_);
-    branches.split(branches_of(tracker), parts, fractions, branch_limit(tracker), numbers,
+    branches.split(tracker.branches_of_main(), parts, fractions, branch_limit(tracker), numbers,
                    [&](const lpe::State* from, lpe::EventClass event, lpe::State* to) {
                        return program.advance(from, event, to);
                    });
-    take(tracker, branches);
+    take(tracker.main(), branches);
+    if (tracker.layer_count_ != 0) split_layers(tracker, parts, fractions, tracker.branches_of_main());
 }
 
 /// Splats to packed channels, and to other channels of a set without a column in the table.
@@ -162,16 +175,14 @@ void LpeServices::reject(const Rgb& value, const Tracker& tracker) {
     table_.count_invalid(tracker.row_, invalid_channel, value);
     if (takes_all(tracker)) table_.count_invalid_of(setup_.beauty_);
     std::vector<std::uint16_t> counted;  // few of these calls are made, so they may allocate
-    const lpe::ProgramView& program = setup_.program_.view();
-    for (std::size_t branch = 0; branch < tracker.count_; ++branch)
-        program.for_each_accepted(&tracker.state_[branch * tracker.groups_], [&](std::uint16_t channel) {
-            const ChannelPrefixes& prefixes = setup_.prefixes_[channel];
-            if (prefixes.holdouts != tracker.held_out_) return;
-            if (prefixes.own_value() && prefixes.noinfinitecheck) return;  // its own value decides
-            if (std::find(counted.begin(), counted.end(), channel) != counted.end()) return;
-            counted.push_back(channel);
-            table_.count_invalid_of(setup_.channel_of_accept_[channel]);
-        });
+    for_each_accepted(tracker, [&](std::uint16_t channel, const RgbD&) {
+        const ChannelPrefixes& prefixes = setup_.prefixes_[channel];
+        if (prefixes.holdouts != tracker.held_out_) return;
+        if (prefixes.own_value() && prefixes.noinfinitecheck) return;  // its own value decides
+        if (std::find(counted.begin(), counted.end(), channel) != counted.end()) return;
+        counted.push_back(channel);
+        table_.count_invalid_of(setup_.channel_of_accept_[channel]);
+    });
 }
 
 }  // namespace raylex::display

@@ -10,6 +10,11 @@
 // Groups. If the compiler distributes the channels over several automata, or packs some of them into bits, the state of
 // a branch is a few words (lpe/program_view.h). A share belongs to a set of paths and not to an automaton, so a
 // partition with channels in different groups still sums exactly when a tracker overflows (Law 1).
+//
+// Classes. A beauty of one class of paths (CompileOptions::first_alone) has branches of its own in a tracker, which no
+// other channel splits, merges or drops: so its value and its liveness do not depend on the channels (Law 2). A second
+// list of branches is for the channels. Each of its states begins with that of the class, and its shares with one state
+// of the class sum to the share that the class has there, also after an overflow (Law 1).
 #pragma once
 
 #include <algorithm>
@@ -54,8 +59,21 @@ struct BranchShare {
     [[nodiscard]] RgbD rgb() const { return {r, g, b}; }
 };
 
+/// Branches in one automaton, in place. `share` null: at most one branch, with share 1.
+struct Branches {
+    const lpe::State* state = nullptr;
+    const BranchShare* share = nullptr;
+    std::size_t count = 0;
+    std::size_t words = 0;  ///< words of a state
+
+    [[nodiscard]] const lpe::State* state_of(std::size_t branch) const { return state + branch * words; }
+    [[nodiscard]] RgbD share_of(std::size_t branch) const { return share == nullptr ? RgbD(1.0) : share[branch].rgb(); }
+    /// Whether a branch has this state, of one word.
+    [[nodiscard]] bool has_state(lpe::State one) const { return std::find(state, state + count, one) != state + count; }
+};
+
 class BranchList;
-struct Branches;
+class Fractions;
 class PathSuffix;
 class PathSuffixes;
 class BatchPathStrings;
@@ -71,6 +89,9 @@ class Tracker {
     static constexpr int state_room = 128;
     static constexpr int group_limit = 32;  ///< words of state (automaton groups, packed channels); leaves room for 4
                                             ///< branches
+    // Where the beauty is a class: its branches, of one word each, come before those of the other channels. An overflow
+    // leaves at most three of these for each branch of the class, one for each colour.
+    static constexpr int class_capacity = 6, layer_capacity = 3 * class_capacity, layer_group_limit = 6;
 
     Tracker() noexcept = default;
     Tracker(const Tracker& other) noexcept { copy(other); }
@@ -86,15 +107,39 @@ class Tracker {
     friend class LpeServices;
     friend class Liveness;
     friend class SuffixLiveness;
+    /// Branches in one automaton, in place, to be moved.
+    struct List {
+        lpe::State* state;
+        BranchShare* share;
+        std::uint8_t& count;
+        bool& whole;
+        std::size_t words;
+    };
+    [[nodiscard]] Branches branches_of_main() const {
+        return {state_.data(), whole_ ? nullptr : share_.data(), count_, groups_};
+    }
+    [[nodiscard]] Branches branches_of_layers() const {
+        return {state_.data() + class_capacity, layers_whole_ ? nullptr : share_.data() + class_capacity, layer_count_,
+                layer_groups_};
+    }
+    [[nodiscard]] List main() { return {state_.data(), share_.data(), count_, whole_, groups_}; }
+    [[nodiscard]] List layers() {
+        return {state_.data() + class_capacity, share_.data() + class_capacity, layer_count_, layers_whole_,
+                layer_groups_};
+    }
     void copy(const Tracker& other) noexcept;
+    void copy_layers(const Tracker& other) noexcept;
     std::int32_t row_ = 0;
-    std::uint32_t path_ = 0;                    // path in the batch's BatchPathStrings, if an atlas keeps words
-    std::uint16_t moves_ = 0;                   // number of moves; with the pixel and sample of row_ it seeds the
-                                                // random numbers at overflows
-    std::uint8_t count_ = 0;                    // branches
-    std::uint8_t groups_ = 0;                   // words of state per branch
-    bool whole_ = true;                         // never split: at most one branch, whose share of 1 is not stored
-    bool held_out_ = false;                     // the path's first hit is a holdout
+    std::uint32_t path_ = 0;   // path in the batch's BatchPathStrings, if an atlas keeps words
+    std::uint16_t moves_ = 0;  // number of moves; with the pixel and sample of row_ it seeds the
+                               // random numbers at overflows
+    std::uint8_t count_ = 0;   // branches
+    std::uint8_t groups_ = 0;  // words of state per branch
+    bool whole_ = true;        // never split: at most one branch, whose share of 1 is not stored
+    bool held_out_ = false;    // the path's first hit is a holdout
+    // Branches of the channels beside a class; none once the class is dead. Without a class, channels are the branches.
+    std::uint8_t layer_count_ = 0, layer_groups_ = 0;
+    bool layers_whole_ = true;
     std::array<lpe::State, state_room> state_;  // [branch][group]; uninitialised
     std::array<BranchShare, capacity> share_;   // [branch]
 };
@@ -105,6 +150,9 @@ class LpeSetup {
   public:
     /// Compiles every expression channel of `channels` except `beauty`, the id that takes every contribution in full,
     /// or invalid_channel if beauty is not requested. `rest_of` contains indices of `channels`.
+    ///
+    /// With `options.first_alone` the first expression channel is the beauty of a class of paths, and no other channel
+    /// may accept a path outside of it. The class alone decides what is live and what beauty takes.
     ///
     /// Errors: an expression that does not parse or is too large; more automaton groups than a tracker can follow; a
     /// channel of another type than rgb; prefixes that contradict each other.
@@ -124,6 +172,11 @@ class LpeSetup {
         return program_.group_count() == 0 ? lpe::EventClass{0} : program_.classify(event);
     }
     [[nodiscard]] const lpe::Program& program() const { return program_; }
+    /// The automata that decide what is live: those of all channels, or that of the class alone.
+    [[nodiscard]] const lpe::ProgramView& main() const { return main_; }
+    /// Whether the beauty is a class, and whether other channels are followed beside it.
+    [[nodiscard]] bool is_of_class() const { return of_class_; }
+    [[nodiscard]] bool has_layers() const { return main_.word_count < program_.word_count(); }
     [[nodiscard]] ChannelId beauty() const { return beauty_; }
     /// The largest valid component of a contribution. A block of samples with a larger one would leave the frame
     /// buffer's range, for beauty but not for every layer, so such a contribution is as invalid as one that is not
@@ -151,12 +204,16 @@ class LpeSetup {
     [[nodiscard]] lpe::EventClass column_of(const lpe::Event& event) const;
     Status read_channel_prefixes(std::span<const ChannelDefinition> channels);
     void find_liveness();
+    void find_main();
     [[nodiscard]] Takers taker(std::uint16_t channel) const {
         return prefixes_[channel].holdouts ? holdouts : ordinary;
     }
     lpe::Program program_;
+    lpe::ProgramView main_;  // points into program_
+    bool of_class_ = false;
     std::shared_ptr<const PathAlphabet> alphabet_;
-    std::vector<lpe::State> first_states_;      // [word] after the camera event; empty when all are dead
+    // [word] after the camera event, in main() and, with layers, in the whole program; empty when all are dead.
+    std::vector<lpe::State> first_states_, first_layer_states_;
     std::vector<ChannelId> channel_of_accept_;  // program channel -> display channel
     SplatTargets targets_;                      // each channel separately
     ChannelId beauty_ = invalid_channel;
@@ -249,19 +306,37 @@ class LpeServices {
     void splat_slow_path(const Report& report, const Tracker& tracker, bool valid);
     [[nodiscard]] bool is_live(const Tracker& tracker) const;
     /// Whether a channel that takes such paths can still accept from these states. Needs setup_.live_.
-    [[nodiscard]] bool is_live(const lpe::State* words, bool held_out) const {
+    [[nodiscard]] bool is_live(const lpe::ProgramView& program, const lpe::State* words, bool held_out) const {
         const LpeSetup::Takers taker = held_out ? LpeSetup::holdouts : LpeSetup::ordinary;
-        const std::uint32_t tables = setup_.program_.view().table_count;
+        const std::uint32_t tables = program.table_count;
         return std::any_of(words, words + tables, [&](lpe::State state) { return (setup_.live_[state] & taker) != 0; });
     }
+    /// Calls visit(channel, share) for every branch and each program channel that accepts there.
+    template <class Visit>
+    void for_each_accepted(const Tracker& tracker, Visit visit) const;
     // The parts of moves and connections for channels, and those for an atlas.
+    static void move_list(const lpe::ProgramView& program, Tracker::List list, lpe::EventClass event);
+    void begin_layers(Tracker& tracker) const;
+    void move_layers(Tracker& tracker, lpe::EventClass event) const;
+    void split_layers(Tracker& tracker, std::span<const LobePart> parts, const Fractions& fractions,
+                      const Branches& of_class);
+    void move_along(Tracker& tracker, const PathSuffixes& pool, const PathSuffix& suffix);
+    void connect_main(Tracker& tracker, const PathSuffixes& pool, const PathSuffix& suffix);
+    void connect_layers(const Tracker& camera, const PathSuffixes& pool, const PathSuffix& suffix, Tracker& connected);
+    void contribute_to_layers(const SampleTable::Light& light, const Tracker& tracker);
+    static void scale(SampleTable::Light& part, const BranchShare& share);
+    void splat_branch(const lpe::ProgramView& program, const lpe::State* states, std::uint32_t first_table,
+                      const SampleTable::Light& part, int row);
     void move_states(Tracker& tracker, lpe::EventClass event) const;
     void move_states(Tracker& tracker, std::span<const LobePart> parts);
     void connect_states(Tracker& tracker, const PathSuffixes& pool, const PathSuffix& suffix);
     [[nodiscard]] PathSuffix begin_states(PathSuffixes& pool, lpe::EventClass terminal) const;
-    [[nodiscard]] PathSuffix prepend_states(PathSuffixes& pool, const PathSuffix& suffix, lpe::EventClass event) const;
+    // `of_class`: null for the automata of main(); else the branches of the class after the event.
+    [[nodiscard]] PathSuffix prepend_states(PathSuffixes& pool, const PathSuffix& suffix, lpe::EventClass event,
+                                            const Branches* of_class = nullptr) const;
     [[nodiscard]] PathSuffix prepend_states(PathSuffixes& pool, const PathSuffix& suffix,
-                                            std::span<const LobePart> parts, std::uint64_t key);
+                                            std::span<const LobePart> parts, std::uint64_t key,
+                                            const Branches* of_class = nullptr);
     void keep_move(Tracker& tracker, std::span<const LobePart> parts) const;
     void keep_move(Tracker& tracker, lpe::EventClass event) const;
     void keep_light(const Rgb& value, Technique technique, const Tracker& tracker) const;
@@ -269,10 +344,9 @@ class LpeServices {
     void reject(const Rgb& value, const Tracker& tracker);
     void splat_slow_path(std::span<const ChannelId> channels, const RgbD& value, int row);
     SplitSuffix prepend_split(PathSuffixes& pool, const PathSuffix& suffix, std::span<const LobePart> parts,
-                              std::uint64_t key) const;
-    [[nodiscard]] static Branches branches_of(const Tracker& tracker);
-    [[nodiscard]] static std::size_t branch_limit(const Tracker& tracker);
-    void take(Tracker& tracker, const BranchList& branches);
+                              std::uint64_t key, const Branches* of_class) const;
+    [[nodiscard]] std::size_t branch_limit(const Tracker& tracker) const;
+    void take(Tracker::List list, const BranchList& branches);
     [[nodiscard]] std::uint64_t random_key(const Tracker& tracker, const LobePart& first) const;
 
     const LpeSetup& setup_;

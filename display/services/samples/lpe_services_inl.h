@@ -16,6 +16,9 @@ inline void Tracker::copy(const Tracker& other) noexcept {
     groups_ = other.groups_;
     whole_ = other.whole_;
     held_out_ = other.held_out_;
+    layer_count_ = other.layer_count_;
+    if (layer_count_ != 0) [[unlikely]]
+        copy_layers(other);
     const std::size_t states = std::size_t{count_} * groups_;
     for (std::size_t i = 0; i < states; ++i) state_[i] = other.state_[i];
     if (whole_) return;
@@ -28,41 +31,48 @@ inline Tracker LpeServices::begin(int row) const {
     tracker.groups_ = static_cast<std::uint8_t>(setup_.first_states_.size());
     tracker.count_ = tracker.groups_ == 0 ? 0 : 1;
     for (std::size_t group = 0; group < tracker.groups_; ++group) tracker.state_[group] = setup_.first_states_[group];
+    if (!setup_.first_layer_states_.empty()) [[unlikely]]
+        begin_layers(tracker);
     return tracker;
+}
+
+inline void LpeServices::move_list(const lpe::ProgramView& program, Tracker::List list, lpe::EventClass event) {
+    const std::size_t words = list.words;
+    if (list.whole) {  // one branch, whole
+        if (words == 1) {
+            list.state[0] = program.next(list.state[0], event);
+            list.count = list.state[0] != lpe::Program::dead;
+        } else {
+            list.count = program.advance(list.state, event, list.state);
+        }
+        return;
+    }
+    std::size_t kept = 0;
+    for (std::size_t branch = 0; branch < list.count; ++branch) {
+        lpe::State* to = &list.state[kept * words];
+        if (words == 1) {
+            to[0] = program.next(list.state[branch], event);
+            if (to[0] == lpe::Program::dead) continue;
+        } else if (!program.advance(&list.state[branch * words], event, to)) {
+            continue;
+        }
+        std::size_t at = 0;
+        while (at < kept && !std::equal(to, to + words, &list.state[at * words])) ++at;
+        const bool merge = at < kept;
+        const BranchShare share = list.share[branch];
+        BranchShare& sum = list.share[at];
+        sum = merge ? BranchShare{sum.r + share.r, sum.g + share.g, sum.b + share.b} : share;
+        if (!merge) ++kept;
+    }
+    list.count = static_cast<std::uint8_t>(kept);
 }
 
 inline void LpeServices::move_states(Tracker& tracker, lpe::EventClass event) const {
     if (tracker.count_ == 0) return;
     ++tracker.moves_;
-    const lpe::ProgramView& program = setup_.program_.view();
-    const std::size_t words = tracker.groups_;
-    if (tracker.whole_) {  // one branch, whole
-        if (words == 1) {
-            tracker.state_[0] = program.next(tracker.state_[0], event);
-            tracker.count_ = tracker.state_[0] != lpe::Program::dead;
-        } else {
-            tracker.count_ = program.advance(tracker.state_.data(), event, tracker.state_.data());
-        }
-        return;
-    }
-    std::size_t kept = 0;
-    for (std::size_t branch = 0; branch < tracker.count_; ++branch) {
-        lpe::State* to = &tracker.state_[kept * words];
-        if (words == 1) {
-            to[0] = program.next(tracker.state_[branch], event);
-            if (to[0] == lpe::Program::dead) continue;
-        } else if (!program.advance(&tracker.state_[branch * words], event, to)) {
-            continue;
-        }
-        std::size_t at = 0;
-        while (at < kept && !std::equal(to, to + words, &tracker.state_[at * words])) ++at;
-        const bool merge = at < kept;
-        const BranchShare share = tracker.share_[branch];
-        BranchShare& sum = tracker.share_[at];
-        sum = merge ? BranchShare{sum.r + share.r, sum.g + share.g, sum.b + share.b} : share;
-        if (!merge) ++kept;
-    }
-    tracker.count_ = static_cast<std::uint8_t>(kept);
+    move_list(setup_.main_, tracker.main(), event);
+    if (tracker.layer_count_ != 0) [[unlikely]]
+        move_layers(tracker, event);
 }
 
 inline void LpeServices::move_states(Tracker& tracker, std::span<const LobePart> parts) {
@@ -111,44 +121,66 @@ inline void LpeServices::contribute(const Rgb& value, Technique technique, const
     if (path_strings_ != nullptr) [[unlikely]]
         keep_light(value, technique, tracker);
     const std::size_t words = tracker.groups_;
-    const lpe::ProgramView& program = setup_.program_.view();
     for (std::size_t branch = 0; branch < tracker.count_; ++branch) {
         SampleTable::Light part{{0, r}, {g, b}};
-        if (!tracker.whole_) {
-            const BranchShare& share = tracker.share_[branch];
-            part.first *= SampleTable::Pair{0, share.r};
-            part.second *= SampleTable::Pair{share.g, share.b};
-        }
-        const lpe::State* const states = &tracker.state_[branch * words];
-        for (std::uint32_t table = 0; table < program.table_count; ++table)
-            for (const ChannelId target : targets_.of(states[table])) {
-                if (target >= 0) {
-                    double* values = table_.raw_values(target) + at;
-                    values[0] += part.first[1];
-                    values[1] += part.second[0];
-                    values[2] += part.second[1];
-                    table_.touch_in_passing(target, tracker.row_);
-                } else {
-                    table_.add_to_set(static_cast<std::size_t>(~target), tracker.row_, part);
-                }
-            }
-        program.for_each_accepted_parallel(states, [&](std::uint16_t channel) {
-            splat_slow_path({&setup_.channel_of_accept_[channel], 1},
-                            RgbD(part.first[1], part.second[0], part.second[1]), tracker.row_);
-        });
+        if (!tracker.whole_) scale(part, tracker.share_[branch]);
+        splat_branch(setup_.main_, &tracker.state_[branch * words], 0, part, tracker.row_);
     }
+    if (tracker.layer_count_ != 0) [[unlikely]]
+        contribute_to_layers(SampleTable::Light{{0, r}, {g, b}}, tracker);
+}
+
+inline void LpeServices::scale(SampleTable::Light& part, const BranchShare& share) {
+    part.first *= SampleTable::Pair{0, share.r};
+    part.second *= SampleTable::Pair{share.g, share.b};
+}
+
+inline void LpeServices::splat_branch(const lpe::ProgramView& program, const lpe::State* states,
+                                      std::uint32_t first_table, const SampleTable::Light& part, int row) {
+    const std::size_t at = 3 * static_cast<std::size_t>(row);
+    for (std::uint32_t table = first_table; table < program.table_count; ++table)
+        for (const ChannelId target : targets_.of(states[table])) {
+            if (target >= 0) {
+                double* values = table_.raw_values(target) + at;
+                values[0] += part.first[1];
+                values[1] += part.second[0];
+                values[2] += part.second[1];
+                table_.touch_in_passing(target, row);
+            } else {
+                table_.add_to_set(static_cast<std::size_t>(~target), row, part);
+            }
+        }
+    program.for_each_accepted_parallel(states, [&](std::uint16_t channel) {
+        splat_slow_path({&setup_.channel_of_accept_[channel], 1}, RgbD(part.first[1], part.second[0], part.second[1]),
+                        row);
+    });
+}
+
+template <class Visit>
+void LpeServices::for_each_accepted(const Tracker& tracker, Visit visit) const {
+    const auto visit_list = [&](const lpe::ProgramView& program, const Branches& list, bool beside_class) {
+        for (std::size_t branch = 0; branch < list.count; ++branch)
+            program.for_each_accepted(list.state_of(branch), [&](std::uint16_t channel) {
+                if (!beside_class || channel != 0) visit(channel, list.share_of(branch));
+            });
+    };
+    visit_list(setup_.main_, tracker.branches_of_main(), false);
+    visit_list(setup_.program_.view(), tracker.branches_of_layers(), true);
 }
 
 inline bool LpeServices::live_after(const Tracker& tracker, lpe::EventClass event) const {
     if (takes_all(tracker)) return true;
     if (setup_.live_.empty() && tracker.held_out_) return false;
-    const lpe::ProgramView& program = setup_.program_.view();
+    const lpe::ProgramView& program = setup_.main_;
     std::array<lpe::State, Tracker::group_limit> next;
     for (std::size_t branch = 0; branch < tracker.count_; ++branch) {
         if (!program.advance(&tracker.state_[branch * tracker.groups_], event, next.data())) continue;
-        if (setup_.live_.empty() || is_live(next.data(), tracker.held_out_)) return true;
+        if (setup_.live_.empty() || is_live(program, next.data(), tracker.held_out_)) return true;
     }
-    return false;
+    if (!tracker.held_out_ || tracker.layer_count_ == 0) return false;
+    Tracker ahead = tracker;
+    move_states(ahead, event);
+    return is_live(ahead);
 }
 
 }  // namespace raylex::display

@@ -3,6 +3,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <bit>
 #include <memory>
 
 #include "experiments/job/job_file.h"
@@ -73,6 +74,14 @@ inline std::vector<double> values_of(const JobOutput& rendered, const std::strin
         if (image.channels()[i].name == name) return image.resolve(static_cast<display::ChannelId>(i));
     FAIL("no channel '" + name + "'");
     return {};
+}
+
+inline void check_same_bits(const std::vector<double>& a, const std::vector<double>& b) {
+    REQUIRE(a.size() == b.size());
+    std::size_t different = 0;
+    for (std::size_t i = 0; i < a.size(); ++i)
+        different += std::bit_cast<std::uint64_t>(a[i]) != std::bit_cast<std::uint64_t>(b[i]) ? 1 : 0;
+    CHECK(different == 0);
 }
 
 inline std::string pass(const std::string& method, const std::string& takes, const std::string& more = "") {

@@ -2,7 +2,7 @@
 // classes that miss paths, count paths twice, or hold paths that their method does not sample are refused.
 #include <catch2/catch.hpp>
 
-#include <bit>
+#include <numeric>
 #include <random>
 
 #include "passes_support.h"
@@ -12,19 +12,47 @@ using namespace passes_test;
 
 namespace {
 
-void check_same_bits(const std::vector<double>& a, const std::vector<double>& b) {
-    REQUIRE(a.size() == b.size());
-    std::size_t different = 0;
-    for (std::size_t i = 0; i < a.size(); ++i)
-        different += std::bit_cast<std::uint64_t>(a[i]) != std::bit_cast<std::uint64_t>(b[i]) ? 1 : 0;
-    CHECK(different == 0);
-}
-
 constexpr double reflected = 0.45, mirrored = 0.35;
 
 std::string events_of(const std::string& reflections) {
     std::string text;
     for (const char letter : reflections) text += letter == 'D' ? "<RD>" : "<RS>";
+    return text;
+}
+
+/// A room of coated, rough and mixed materials with a textured floor, two lights of different groups, and a cutout.
+const std::string mixed_scene = plain_film + R"(
+LookAt 0 2 5  0 0.5 0  0 1 0
+Camera "perspective" "float fov" 40
+WorldBegin
+Attribute "light" "string group" "key"
+)" + area_light + R"(
+AttributeBegin AreaLightSource "diffuse" "rgb L" [2 4 8] Translate -2 2 1 Rotate 90 0 1 0
+Shape "disk" "float radius" 0.4 AttributeEnd
+Texture "checks" "spectrum" "checkerboard" "float uscale" 6 "float vscale" 6
+  "rgb tex1" [0.9 0.3 0.1] "rgb tex2" [0.05 0.5 0.9]
+Material "coateddiffuse" "texture reflectance" "checks" "float roughness" 0.3
+Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-4 0 4 4 0 4 4 0 -4 -4 0 -4]
+  "point2 uv" [0 0 1 0 1 1 0 1]
+AttributeBegin Material "coatedconductor" "float interface.roughness" 0.2 "float conductor.roughness" 0.3
+Translate -0.8 0.6 0 Shape "sphere" "float radius" 0.5 AttributeEnd
+AttributeBegin Material "diffusetransmission" "rgb reflectance" [0.3 0.5 0.2] "rgb transmittance" [0.5 0.2 0.4]
+Translate 0.2 1.4 -0.4 Shape "sphere" "float radius" 0.4 "float alpha" 0.6 AttributeEnd
+AttributeBegin Material "dielectric" Translate 0.9 0.6 0.4 Shape "sphere" "float radius" 0.4 AttributeEnd
+)";
+
+std::string many_layers() {
+    std::string text = "[channels]\nshipped_partition = true\naovs = ['Nn', 'z']\nlight_groups = true\n";
+    int count = 0;
+    const auto add = [&](const std::string& expression) { text += channel("c" + std::to_string(count++), expression); };
+    for (int length = 1; length <= 6; ++length) add("C.{" + std::to_string(length) + "}[LOB]");
+    for (const char* lobe : {"<RD>", "<RG>", "<RS>", "<TD>", "<TG>", "<TS>"}) {
+        add(std::string("C") + lobe + ".*L");
+        add(std::string("C.*") + lobe + "L");
+        add(std::string("C.+") + lobe + ".+L");
+    }
+    add("unoccluded;C<RD>L");
+    add("C<RD><RD>*<RG>.*");
     return text;
 }
 
@@ -108,7 +136,7 @@ TEST_CASE("Passes: one pass that takes all paths gives the bits of a render with
     check_same_bits(values_of(joined, "beauty"), values_of(plain, "beauty"));
 }
 
-TEST_CASE("Passes: the bits depend neither on threads nor on layers", "[passes]") {
+TEST_CASE("Passes: the bits do not depend on threads", "[passes]") {
     const std::string passes =
         "[render]\nspp = 8\n" + pass("path", "rest") + pass("lighttracer", "C<RD>S+[<L.>O]", "spp = 16\n");
     const std::string scene = ball_scene(area_light);
@@ -119,18 +147,44 @@ TEST_CASE("Passes: the bits depend neither on threads nor on layers", "[passes]"
     const JobOutput three = plan.rendered();
     check_same_bits(values_of(one, "beauty"), values_of(three, "beauty"));
     CHECK(one.output.statistics.camera_samples == 18 * 18 * 24);
-    // Law 2, up to the rounding of sums over the lobes of a path
-    std::string layers = "[channels]\nshipped_partition = true\naovs = ['Nn', 'z']\n";
-    for (int i = 0; i < 6; ++i) layers += channel("c" + std::to_string(i), "C.{" + std::to_string(i + 1) + "}[LOB]");
-    const JobOutput with_layers = plan_of(scene, passes + layers).rendered();
-    const std::vector<double> a = values_of(one, "beauty"), b = values_of(with_layers, "beauty");
-    double worst = 0;
-    for (std::size_t i = 0; i < a.size(); ++i) worst = std::max(worst, std::abs(a[i] - b[i]) / std::max(a[i], 1e-3));
-    CHECK(worst < 1e-13);
-    // geometry comes from the camera-based pass alone
-    const std::string geometry = "[channels]\naovs = ['Nn', 'z']\n";
-    const JobOutput plain = plan_of(scene, "[render]\nspp = 8\n" + geometry).rendered();
-    for (const char* name : {"Nn", "z"}) check_same_bits(values_of(with_layers, name), values_of(plain, name));
+}
+
+TEST_CASE("Passes: layers change no bit of the beauty", "[passes][law2]") {
+    const std::string direct = pass("path", "C.?[LB]");
+    const std::vector<std::string> jobs{
+        pass("path", "rest") + pass("lighttracer", "C<RD>[DSG]+[<L.>O]", "spp = 16\n"),
+        pass("path", "C<RD>.*", "spp = 12\n") + pass("bdpt", "rest"),
+        direct + pass("bdpt", "C.*<RG>.+L&C.{2,}L") + pass("path", "rest", "spp = 12\n"),
+        direct + pass("bdpt", "rest") + pass("lighttracer", "C<RD>.*<RD>L-C<RD>L"),
+        pass("path", "C(<RD>|<RG>.*<RD>).*<RG>L") + pass("path", "rest", "spp = 12\n")};
+    for (const std::string& passes : jobs) {
+        INFO(passes);
+        const std::string settings = "[render]\nspp = 8\nmax_depth = 6\n";
+        const JobOutput bare = plan_of(mixed_scene, settings + passes).rendered();
+        const std::vector<double> beauty = values_of(bare, "beauty");
+        CHECK(std::accumulate(beauty.begin(), beauty.end(), 0.0) > 10);
+        for (const std::string& layers : {channel("a", "C<RD>.*"), many_layers()}) {
+            const JobOutput rendered = plan_of(mixed_scene, settings + passes + layers).rendered();
+            check_same_bits(values_of(rendered, "beauty"), beauty);
+            if (layers.find("aovs") == std::string::npos) continue;
+            // Law 1
+            std::vector<double> sum(beauty.size());
+            const auto lpe_layers = plan_of(mixed_scene, settings + passes + layers).channels.partitions.front().layers;
+            for (const std::string& name : lpe_layers) {
+                const std::vector<double> layer = values_of(rendered, name);
+                for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += layer[i];
+            }
+            double worst = 0;
+            for (std::size_t i = 0; i < sum.size(); ++i)
+                worst = std::max(worst, std::abs(sum[i] - beauty[i]) / std::max(beauty[i], 1e-3));
+            CHECK(worst < 1e-12);
+            // geometry comes from the camera-based pass alone
+            const bool more = passes.find("spp = 12") < passes.find("[[pass]]", 1);
+            const std::string geometry = "[channels]\naovs = ['Nn', 'z']\n[render]\nspp = ";
+            const JobOutput plain = plan_of(mixed_scene, geometry + (more ? "12\n" : "8\n")).rendered();
+            for (const char* name : {"Nn", "z"}) check_same_bits(values_of(rendered, name), values_of(plain, name));
+        }
+    }
 }
 
 TEST_CASE("Passes: the sum agrees with one method, layer by layer", "[passes][statistical][gate]") {

@@ -104,7 +104,6 @@ void CameraSubpaths::report_surfaces() {
 }
 
 void CameraSubpaths::keep_live_lobes() {
-    if (record_.wants_blocked_light()) return;  // values without throughput count paths as they are drawn
     VertexBatch& v = vertices_;
     for (std::size_t j = 0; j < v.surfaces; ++j) {
         const std::optional<SideLobes> lobes = v.bsdfs[j].side_lobes();

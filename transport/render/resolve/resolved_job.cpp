@@ -146,9 +146,10 @@ Result<ResolvedJob> ResolvedJob::resolve(const BuiltScene& scene, const RenderSe
     auto grid = resolve_grid(settings.stop, *sampling, *chosen);
     if (!grid) return grid.error();
     channels->takes_all = channels->beauty >= 0 && settings.channels.takes.empty();
-    // A beauty of some paths is followed like any channel, so that all others are pruned.
+    const bool is_of_class = channels->beauty >= 0 && !channels->takes_all;
     auto lpe =
-        display::LpeSetup::build(channels->list, channels->takes_all ? channels->beauty : display::invalid_channel);
+        display::LpeSetup::build(channels->list, channels->takes_all ? channels->beauty : display::invalid_channel,
+                                 {.first_alone = is_of_class});
     if (!lpe) return lpe.error();
     channels->lpe = std::make_unique<display::LpeSetup>(*std::move(lpe));
     if (Status s = check_traits(*chosen, scene.view(), *channels); !s) return s.error();
