@@ -4,6 +4,7 @@
 #include <cctype>
 #include <charconv>
 #include <limits>
+#include <set>
 #include <utility>
 
 #include "experiments/job/job.h"
@@ -80,22 +81,28 @@ Result<PassRequest> parse_pass(const std::string& text, const SourceLocation& wh
                                    "path:rest or path:rest:spp=64");
     pass.method.type = text.substr(0, colon);
     pass.takes = text.substr(colon + 1);
-    for (;;) {
+    for (std::set<std::string> keys;;) {
         const std::size_t last = pass.takes.rfind(':');
         if (last == std::string::npos || last == 0) break;
         const std::string item = pass.takes.substr(last + 1);
         const std::size_t equals = item.find('=');
         const bool is_of_label = item.find('\'') != std::string::npos;
-        if (equals == std::string::npos || is_of_label || !is_key(item.substr(0, equals))) break;
-        if (Status set = set_pass_key(pass, item.substr(0, equals), item.substr(equals + 1), where); !set)
-            return set.error();
+        const std::string key = item.substr(0, equals);
+        if (equals == std::string::npos || is_of_label || !is_key(key)) break;
+        if (!keys.insert(key).second)
+            return error_at(where, "the pass '" + text + "' has '" + key + "' twice; expected every key once");
+        if (Status set = set_pass_key(pass, key, item.substr(equals + 1), where); !set) return set.error();
         pass.takes.resize(last);
     }
     return pass;
 }
 
 void read_passes(TomlTable& root, std::string_view key, std::vector<PassRequest>& passes) {
-    for (const toml::table* table : root.take_tables(key)) {
+    const std::vector<const toml::table*> tables = root.take_tables(key);
+    if (tables.empty() && root.take(key) != nullptr && !root.source().error())
+        root.source().fail(error_at(root.location_of(key), "'" + std::string(key) + "' has no pass",
+                                    "expected a table for each pass; without the key one method renders all paths"));
+    for (const toml::table* table : tables) {
         TomlTable reader(root.source(), *table, "a [[" + std::string(key) + "]] table");
         PassRequest pass;
         bool whole = reader.require("method", pass.method.type);

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "display/output/metrics/error_metrics.h"
+#include "display/services/hash64.h"
 #include "experiments/job/passes/pass_classes.h"
 
 namespace raylex::experiments {
@@ -96,7 +97,8 @@ Result<PilotPass> Pilot::measure(const transport::SceneEntity& method, const std
     std::vector<std::vector<std::vector<double>>> images(classes.size() + 1);  // [the whole, class][seed]
     std::vector<double> seconds;
     for (unsigned seed = 0; seed < settings_.seeds; ++seed) {
-        settings.samples.seed = settings_.seed + seed;
+        // Methods must not share random numbers: errors of passes by different methods are independent.
+        settings.samples.seed = hash64(method.type, settings_.seed + seed);
         auto output = transport::render(scene_, settings);
         if (!output) return output.error();
         for (std::size_t i = 0; i < images.size(); ++i)

@@ -383,7 +383,9 @@ Result<std::string> propose_passes(const Job& job, const JobScene& scene, const 
     if (Status measured = proposer.measure_methods(job, built); !measured) return measured.error();
     if (Status found = proposer.find_passes(static_cast<double>(samples)); !found) return found.error();
     if (Status confirmed = proposer.confirm(static_cast<double>(samples)); !confirmed) return confirmed.error();
-    return proposer.text(static_cast<double>(film->width) * static_cast<double>(film->height));
+    const display::PixelRegion whole{0, 0, film->width, film->height},
+        region = job.settings.film.crop.value_or(film->crop.value_or(whole));
+    return proposer.text(static_cast<double>(region.width()) * static_cast<double>(region.height()));
 }
 
 }  // namespace raylex::experiments

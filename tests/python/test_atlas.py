@@ -129,6 +129,8 @@ class Asked(Case):
         self.assertSameBits(mixed["light_walls"], image["light_walls"] * np.float32([2, 0.5, 0.25]))
         self.assertRaylexError("is a colour of an object", raylex.mix, self.folder / "in.exr", self.folder / "o.exr",
                                mix=self.folder / "mix.toml")
+        self.assertRaylexError("expected a name that ends in .exr", raylex.mix, self.folder / "in.exr",
+                               self.folder / "out.png", lights)
         self.assertRaylexError("would be overwritten", raylex.mix, self.folder / "in.exr", self.folder / "in.exr",
                                lights)
         self.assertRaylexError("unknown object", atlas.ask, what_if={"nothing.D": 2})

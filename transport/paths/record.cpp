@@ -43,7 +43,6 @@ Record::Liveness Record::liveness_of_connection(std::uint32_t row, std::int32_t 
     display::Tracker ahead = after(row, label, lobes);
     if (cutouts) return lpe_->live(ahead) ? Liveness::if_visible : Liveness::dead;
     if (end != nullptr) reach(ahead, *end);
-    else if (!lpe_->live_after(ahead, events_->terminal(light))) return Liveness::dead;
     else reach_light(ahead, light);
     if (!lpe_->live(ahead)) return Liveness::dead;
     const bool needs_ray = !lpe_->wants_emitter_samples() || lpe_->needs_visibility(ahead);

@@ -113,6 +113,10 @@ class Record {
     /// Whether blocked light must be reported too.
     [[nodiscard]] bool wants_blocked_light() const { return lpe_->wants_emitter_samples(); }
 
+    /// Whether values must not depend on which other channels are requested, although there is no beauty: channels of
+    /// blocked light then have the same bits with and without it.
+    [[nodiscard]] bool counts_alike() const { return lpe_->wants_emitter_samples() && !lpe_->is_of_class(); }
+
     enum class Liveness : std::uint8_t {
         dead,              ///< no channel takes the connection
         if_visible,        ///< some channel takes what arrives: trace a shadow ray

@@ -33,7 +33,7 @@ PathSuffix LpeServices::begin(PathSuffixes& pool, lpe::EventClass terminal) cons
     PathSuffix suffix = begin_states(pool, terminal);
     const LobePart only{terminal, Rgb(1)};
     suffix.path_ = pool.keep_path({&only, 1}, nullptr);
-    if (pool.layers_) suffix.set_layers(begin_states(*pool.layers_, terminal));
+    if (pool.layers_) suffix.layers_ = pool.layers_->add(begin_states(*pool.layers_, terminal));
     return suffix;
 }
 
@@ -44,7 +44,7 @@ PathSuffix LpeServices::prepend(PathSuffixes& pool, const PathSuffix& suffix, lp
     longer.path_ = pool.keep_path({&all, 1}, &suffix);
     if (pool.layers_ && longer.live()) {
         const Branches of_class = pool.branches_of(longer);
-        longer.set_layers(prepend_states(*pool.layers_, suffix.layers(), event, &of_class));
+        longer.layers_ = pool.layers_->add(prepend_states(*pool.layers_, pool.layers_of(suffix), event, &of_class));
     }
     return longer;
 }
@@ -56,7 +56,8 @@ PathSuffix LpeServices::prepend(PathSuffixes& pool, const PathSuffix& suffix, st
     longer.path_ = pool.keep_path(parts, &suffix);
     if (pool.layers_ && longer.live()) {
         const Branches of_class = pool.branches_of(longer);
-        longer.set_layers(prepend_states(*pool.layers_, suffix.layers(), parts, mix_bits(key), &of_class));
+        longer.layers_ =
+            pool.layers_->add(prepend_states(*pool.layers_, pool.layers_of(suffix), parts, key, &of_class));
     }
     return longer;
 }
@@ -113,14 +114,17 @@ LpeServices::SplitSuffix LpeServices::prepend_split(PathSuffixes& pool, const Pa
                                                     std::span<const LobePart> parts, std::uint64_t key,
                                                     const Branches* of_class) const {
     const lpe::ReversedProgram& reversed = *pool.reversed_;
-    ChoiceNumbers numbers([&] { return mix_bits(mix_bits(seed_ + golden_gamma) ^ key); });
+    const auto make_key = [&] { return mix_bits(mix_bits(seed_ + golden_gamma) ^ key); };
+    ChoiceNumbers numbers(make_key);
     Fractions fractions(parts);
     if (attribution_ == Attribution::picked) fractions.pick(numbers.next());
     BranchList branches(reversed.word_count(), of_class != nullptr);
     const std::size_t most = of_class != nullptr    ? Tracker::layer_capacity
                              : setup_.is_of_class() ? Tracker::class_capacity
                                                     : PathSuffixes::capacity;
-    branches.split(pool.branches_of(suffix), parts, fractions, most, numbers,
+    if (of_class != nullptr) key = mix_bits(key);  // the class picks the same lobe; all else is independent of it
+    ChoiceNumbers of_layers(make_key);
+    branches.split(pool.branches_of(suffix), parts, fractions, most, of_class != nullptr ? of_layers : numbers,
                    [&](const lpe::State* from, lpe::EventClass event, lpe::State* to) {
                        return reversed.prepend(from, event, to) && (of_class == nullptr || of_class->has_state(to[0]));
                    });
@@ -144,10 +148,12 @@ LpeServices::SplitSuffix LpeServices::prepend_split(PathSuffixes& pool, const Pa
 void LpeServices::connect_states(Tracker& tracker, const PathSuffixes& pool, const PathSuffix& suffix) {
     if (tracker.count_ == 0) return;
     if (pool.reversed_ == nullptr) return move_along(tracker, pool, suffix);
-    if (tracker.layer_count_ != 0) [[unlikely]] {
+    if (!tracker.whole_ && tracker.layer_count_ != 0) [[unlikely]] {
         const Tracker camera = tracker;
         connect_main(tracker, pool, suffix);
-        return connect_layers(camera, *pool.layers_, suffix.layers(), tracker);
+        if (tracker.count_ == 0) tracker.layer_count_ = 0;
+        else connect_layers(camera, *pool.layers_, pool.layers_of(suffix), tracker);
+        return;
     }
     connect_main(tracker, pool, suffix);
 }
@@ -176,15 +182,13 @@ void LpeServices::connect_main(Tracker& tracker, const PathSuffixes& pool, const
                 [&](const lpe::State* camera, const lpe::State* light, lpe::State* whole) {
                     return reversed.connect(camera, light, whole);
                 });
-    take(tracker.main(), joined);
+    take(tracker, joined);
 }
 
 /// Connects the layers of `camera` with a suffix. `connected` is the tracker whose class is already connected.
 void LpeServices::connect_layers(const Tracker& camera, const PathSuffixes& pool, const PathSuffix& suffix,
                                  Tracker& connected) {
-    connected.layer_count_ = 0;
     const Branches of_class = connected.branches_of_main();
-    if (of_class.count == 0) return;
     ChoiceNumbers numbers([&] { return mix_bits(random_key(connected, {})); });
     BranchList one(camera.layer_groups_, true), other(camera.layer_groups_, true);
     BranchList *joined = &one, *before = &other;
@@ -193,7 +197,7 @@ void LpeServices::connect_layers(const Tracker& camera, const PathSuffixes& pool
                      [&](const lpe::State* of_camera, const lpe::State* of_light, lpe::State* whole) {
                          return pool.reversed_->connect(of_camera, of_light, whole);
                      });
-    } else if (suffix.live()) {
+    } else {
         // Moves along the events, where the class is in more states than a tracker keeps.
         Branches from = camera.branches_of_layers();
         const PathSuffixes::Event* event = &pool.events_[suffix.state_];
@@ -214,8 +218,7 @@ void LpeServices::connect_layers(const Tracker& camera, const PathSuffixes& pool
         }
     }
     joined->fit(of_class);
-    joined->whole = joined->whole && of_class.share == nullptr;
-    take(connected.layers(), *joined);
+    put(connected.layers(), *joined);
 }
 
 }  // namespace raylex::display

@@ -44,26 +44,8 @@ class PathSuffix {
     std::uint32_t path_ = 0;               // where its events begin for a path atlas, plus one
     std::uint16_t length_ = 1;             // number of events; it differs between the suffixes of one light subpath
     std::uint8_t branches_ = 0;
-    bool whole_ = true;  // not split yet: one branch at most, its share 1 and not stored
-    // The same of the channels beside a class, in PathSuffixes::layers_.
-    bool layers_whole_ = true;
-    std::uint8_t layer_branches_ = 0;
-    std::uint32_t layer_state_ = 0, layer_share_ = 0;
-
-    [[nodiscard]] PathSuffix layers() const {
-        PathSuffix suffix;
-        suffix.state_ = layer_state_;
-        suffix.share_ = layer_share_;
-        suffix.branches_ = layer_branches_;
-        suffix.whole_ = layers_whole_;
-        return suffix;
-    }
-    void set_layers(const PathSuffix& suffix) {
-        layer_state_ = suffix.state_;
-        layer_share_ = suffix.share_;
-        layer_branches_ = suffix.branches_;
-        layers_whole_ = suffix.whole_;
-    }
+    bool whole_ = true;         // not split yet: one branch at most, its share 1 and not stored
+    std::uint32_t layers_ = 0;  // the suffix of channels beside a class, in PathSuffixes::layers_
 };
 
 /// The suffixes of one thread. It keeps its memory from batch to batch.
@@ -78,7 +60,7 @@ class PathSuffixes {
     /// reversed, or null: the suffixes of the other channels.
     void add_layers(const lpe::ReversedProgram* reversed) { layers_ = std::make_unique<PathSuffixes>(reversed); }
     void clear() {
-        states_.clear(), shares_.clear(), events_.clear(), parts_.clear();
+        states_.clear(), shares_.clear(), events_.clear(), parts_.clear(), suffixes_.clear();
         if (layers_) layers_->clear();
     }
 
@@ -94,6 +76,12 @@ class PathSuffixes {
         return {states(suffix), shares(suffix), suffix.branches_, reversed_ == nullptr ? 0 : reversed_->word_count()};
     }
 
+    [[nodiscard]] std::uint32_t add(const PathSuffix& suffix) {
+        suffixes_.push_back(suffix);
+        return static_cast<std::uint32_t>(suffixes_.size() - 1);
+    }
+    [[nodiscard]] PathSuffix layers_of(const PathSuffix& suffix) const { return layers_->suffixes_[suffix.layers_]; }
+
     struct Event {
         std::uint32_t next;          // towards the light: in events_; its own place for the terminal
         std::uint32_t first, count;  // in parts_
@@ -106,6 +94,7 @@ class PathSuffixes {
     const lpe::ReversedProgram* reversed_;
     bool keeps_paths_ = false;
     std::unique_ptr<PathSuffixes> layers_;
+    std::vector<PathSuffix> suffixes_;  // of channels beside a class
     std::vector<lpe::State> states_;
     std::vector<BranchShare> shares_;
     std::vector<Event> events_;

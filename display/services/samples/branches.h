@@ -113,8 +113,7 @@ class BranchList {
     /// exactly, and the expected share of each branch is unchanged. One random number serves the three colours, so that
     /// they usually choose the same survivor; at most three survive, so three branches more than the excess are chosen.
     void collapse(std::size_t target, double random);
-    /// Scales the shares so that those of each state of the class sum to its share in `of_class`, after which no shares
-    /// are 1.
+    /// Scales the shares so that those of each state of the class sum to its share in `of_class`.
     void fit(const Branches& of_class);
 
   private:

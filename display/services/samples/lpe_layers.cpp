@@ -9,22 +9,21 @@
 namespace raylex::display {
 
 void Tracker::copy_layers(const Tracker& other) noexcept {
-    layer_groups_ = other.layer_groups_;
-    layers_whole_ = other.layers_whole_;
     const Branches from = other.branches_of_layers();
     std::copy_n(from.state, from.count * from.words, layers().state);
-    if (!layers_whole_) std::copy_n(from.share, from.count, layers().share);
+    std::copy_n(from.share, from.count, layers().share);
 }
 
-void LpeServices::begin_layers(Tracker& tracker) const {
+Tracker LpeServices::begin_layers(int row) const {
+    Tracker tracker;
+    tracker.row_ = row;
+    tracker.groups_ = tracker.count_ = tracker.layer_count_ = 1;
     tracker.layer_groups_ = static_cast<std::uint8_t>(setup_.first_layer_states_.size());
-    tracker.layer_count_ = 1;
+    tracker.whole_ = false;
+    tracker.main().share[0] = tracker.layers().share[0] = {1, 1, 1};
+    tracker.state_[0] = setup_.first_states_[0];
     std::copy(setup_.first_layer_states_.begin(), setup_.first_layer_states_.end(), tracker.layers().state);
-}
-
-void LpeServices::move_layers(Tracker& tracker, lpe::EventClass event) const {
-    if (tracker.count_ == 0) tracker.layer_count_ = 0;
-    else move_list(setup_.program_.view(), tracker.layers(), event);
+    return tracker;
 }
 
 void LpeServices::split_layers(Tracker& tracker, std::span<const LobePart> parts, const Fractions& fractions,
@@ -40,14 +39,14 @@ void LpeServices::split_layers(Tracker& tracker, std::span<const LobePart> parts
                        return setup_.program_.view().advance(from, event, to) && of_class.has_state(to[0]);
                    });
     branches.fit(of_class);
-    take(tracker.layers(), branches);
+    put(tracker.layers(), branches);
 }
 
 void LpeServices::contribute_to_layers(const SampleTable::Light& light, const Tracker& tracker) {
     const Branches layers = tracker.branches_of_layers();
     for (std::size_t branch = 0; branch < layers.count; ++branch) {
         SampleTable::Light part = light;
-        if (layers.share != nullptr) scale(part, layers.share[branch]);
+        scale(part, layers.share[branch]);
         splat_branch(setup_.program_.view(), layers.state_of(branch), 1, part, tracker.row_);
     }
 }

@@ -131,13 +131,47 @@ std::size_t LpeServices::branch_limit(const Tracker& tracker) const {
     return std::min<std::size_t>(Tracker::capacity, std::size_t{Tracker::state_room} / tracker.groups_);
 }
 
-void LpeServices::take(Tracker::List list, const BranchList& branches) {
+void LpeServices::take(Tracker& tracker, const BranchList& branches) {
+    tracker.whole_ = branches.whole;
+    put(tracker.main(), branches);
+}
+
+void LpeServices::put(Tracker::List list, const BranchList& branches) {
     if (branches.overflow) ++overflow_count_;
-    list.whole = branches.whole;
     list.count = static_cast<std::uint8_t>(branches.count);
     const std::size_t states = branches.count * list.words;
     for (std::size_t i = 0; i < states; ++i) list.state[i] = branches.state[i];
-    for (std::size_t i = 0; i < branches.count && !branches.whole; ++i) list.share[i] = branches.share[i];
+    for (std::size_t i = 0; i < branches.count && !list.whole; ++i) list.share[i] = branches.share[i];
+}
+
+/// Moves branches with shares, and merges equal states.
+void LpeServices::move_list(const lpe::ProgramView& program, Tracker::List list, lpe::EventClass event) {
+    const std::size_t words = list.words, count = list.count;
+    std::size_t kept = 0;
+    for (std::size_t branch = 0; branch < count; ++branch) {
+        lpe::State* to = &list.state[kept * words];
+        if (words == 1) {
+            to[0] = program.next(list.state[branch], event);
+            if (to[0] == lpe::Program::dead) continue;
+        } else if (!program.advance(&list.state[branch * words], event, to)) {
+            continue;
+        }
+        std::size_t at = 0;
+        while (at < kept && !std::equal(to, to + words, &list.state[at * words])) ++at;
+        const bool merge = at < kept;
+        const BranchShare share = list.share[branch];
+        BranchShare& sum = list.share[at];
+        sum = merge ? BranchShare{sum.r + share.r, sum.g + share.g, sum.b + share.b} : share;
+        if (!merge) ++kept;
+    }
+    list.count = static_cast<std::uint8_t>(kept);
+}
+
+/// Moves a tracker that is not whole.
+void LpeServices::move_split(Tracker& tracker, lpe::EventClass event) const {
+    move_list(setup_.main_, tracker.main(), event);
+    if (tracker.count_ == 0) tracker.layer_count_ = 0;
+    if (tracker.layer_count_ != 0) move_list(setup_.program_.view(), tracker.layers(), event);
 }
 
 /// Splits branch by branch, and merges equal states at once.
@@ -156,7 +190,7 @@ void LpeServices::split(Tracker& tracker, std::span<const LobePart> parts) {
                    [&](const lpe::State* from, lpe::EventClass event, lpe::State* to) {
                        return program.advance(from, event, to);
                    });
-    take(tracker.main(), branches);
+    take(tracker, branches);
     if (tracker.layer_count_ != 0) split_layers(tracker, parts, fractions, tracker.branches_of_main());
 }
 

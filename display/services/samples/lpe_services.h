@@ -107,25 +107,23 @@ class Tracker {
     friend class LpeServices;
     friend class Liveness;
     friend class SuffixLiveness;
-    /// Branches in one automaton, in place, to be moved.
+    /// Branches in one automaton, in place, to be moved. With `whole` shares are not stored.
     struct List {
         lpe::State* state;
         BranchShare* share;
         std::uint8_t& count;
-        bool& whole;
+        bool whole;
         std::size_t words;
     };
+    [[nodiscard]] List main() { return {state_.data(), share_.data(), count_, whole_, groups_}; }
+    [[nodiscard]] List layers() {
+        return {state_.data() + class_capacity, share_.data() + class_capacity, layer_count_, false, layer_groups_};
+    }
     [[nodiscard]] Branches branches_of_main() const {
         return {state_.data(), whole_ ? nullptr : share_.data(), count_, groups_};
     }
     [[nodiscard]] Branches branches_of_layers() const {
-        return {state_.data() + class_capacity, layers_whole_ ? nullptr : share_.data() + class_capacity, layer_count_,
-                layer_groups_};
-    }
-    [[nodiscard]] List main() { return {state_.data(), share_.data(), count_, whole_, groups_}; }
-    [[nodiscard]] List layers() {
-        return {state_.data() + class_capacity, share_.data() + class_capacity, layer_count_, layers_whole_,
-                layer_groups_};
+        return {state_.data() + class_capacity, share_.data() + class_capacity, layer_count_, layer_groups_};
     }
     void copy(const Tracker& other) noexcept;
     void copy_layers(const Tracker& other) noexcept;
@@ -137,9 +135,9 @@ class Tracker {
     std::uint8_t groups_ = 0;  // words of state per branch
     bool whole_ = true;        // never split: at most one branch, whose share of 1 is not stored
     bool held_out_ = false;    // the path's first hit is a holdout
-    // Branches of the channels beside a class; none once the class is dead. Without a class, channels are the branches.
+    // Branches of channels beside a class, and words of their states. Such a tracker stores all shares: it is not
+    // whole.
     std::uint8_t layer_count_ = 0, layer_groups_ = 0;
-    bool layers_whole_ = true;
     std::array<lpe::State, state_room> state_;  // [branch][group]; uninitialised
     std::array<BranchShare, capacity> share_;   // [branch]
 };
@@ -268,6 +266,8 @@ class LpeServices {
     void contribute(const Rgb& value, Technique technique, const Tracker& tracker, const EmitterSample& sample);
     /// False if no channel uses an EmitterSample; then the integrator need not compute any, nor report blocked light.
     [[nodiscard]] bool wants_emitter_samples() const { return setup_.wants_emitter_samples_; }
+    /// Whether the beauty is a class of paths.
+    [[nodiscard]] bool is_of_class() const { return setup_.of_class_; }
     /// For a tracker that has moved along its terminal: whether its contribution depends on what is in the way. False:
     /// no shadow ray is needed (Law 4).
     [[nodiscard]] bool needs_visibility(const Tracker& tracker) const;
@@ -316,8 +316,8 @@ class LpeServices {
     void for_each_accepted(const Tracker& tracker, Visit visit) const;
     // The parts of moves and connections for channels, and those for an atlas.
     static void move_list(const lpe::ProgramView& program, Tracker::List list, lpe::EventClass event);
-    void begin_layers(Tracker& tracker) const;
-    void move_layers(Tracker& tracker, lpe::EventClass event) const;
+    void move_split(Tracker& tracker, lpe::EventClass event) const;
+    [[nodiscard]] Tracker begin_layers(int row) const;
     void split_layers(Tracker& tracker, std::span<const LobePart> parts, const Fractions& fractions,
                       const Branches& of_class);
     void move_along(Tracker& tracker, const PathSuffixes& pool, const PathSuffix& suffix);
@@ -346,7 +346,8 @@ class LpeServices {
     SplitSuffix prepend_split(PathSuffixes& pool, const PathSuffix& suffix, std::span<const LobePart> parts,
                               std::uint64_t key, const Branches* of_class) const;
     [[nodiscard]] std::size_t branch_limit(const Tracker& tracker) const;
-    void take(Tracker::List list, const BranchList& branches);
+    void take(Tracker& tracker, const BranchList& branches);
+    void put(Tracker::List list, const BranchList& branches);
     [[nodiscard]] std::uint64_t random_key(const Tracker& tracker, const LobePart& first) const;
 
     const LpeSetup& setup_;

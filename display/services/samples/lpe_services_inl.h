@@ -17,62 +17,37 @@ inline void Tracker::copy(const Tracker& other) noexcept {
     whole_ = other.whole_;
     held_out_ = other.held_out_;
     layer_count_ = other.layer_count_;
-    if (layer_count_ != 0) [[unlikely]]
-        copy_layers(other);
+    layer_groups_ = other.layer_groups_;
     const std::size_t states = std::size_t{count_} * groups_;
     for (std::size_t i = 0; i < states; ++i) state_[i] = other.state_[i];
     if (whole_) return;
     for (std::size_t i = 0; i < count_; ++i) share_[i] = other.share_[i];
+    if (layer_count_ != 0) [[unlikely]]
+        copy_layers(other);
 }
 
 inline Tracker LpeServices::begin(int row) const {
+    if (!setup_.first_layer_states_.empty()) [[unlikely]]
+        return begin_layers(row);
     Tracker tracker;
     tracker.row_ = row;
     tracker.groups_ = static_cast<std::uint8_t>(setup_.first_states_.size());
     tracker.count_ = tracker.groups_ == 0 ? 0 : 1;
     for (std::size_t group = 0; group < tracker.groups_; ++group) tracker.state_[group] = setup_.first_states_[group];
-    if (!setup_.first_layer_states_.empty()) [[unlikely]]
-        begin_layers(tracker);
     return tracker;
-}
-
-inline void LpeServices::move_list(const lpe::ProgramView& program, Tracker::List list, lpe::EventClass event) {
-    const std::size_t words = list.words;
-    if (list.whole) {  // one branch, whole
-        if (words == 1) {
-            list.state[0] = program.next(list.state[0], event);
-            list.count = list.state[0] != lpe::Program::dead;
-        } else {
-            list.count = program.advance(list.state, event, list.state);
-        }
-        return;
-    }
-    std::size_t kept = 0;
-    for (std::size_t branch = 0; branch < list.count; ++branch) {
-        lpe::State* to = &list.state[kept * words];
-        if (words == 1) {
-            to[0] = program.next(list.state[branch], event);
-            if (to[0] == lpe::Program::dead) continue;
-        } else if (!program.advance(&list.state[branch * words], event, to)) {
-            continue;
-        }
-        std::size_t at = 0;
-        while (at < kept && !std::equal(to, to + words, &list.state[at * words])) ++at;
-        const bool merge = at < kept;
-        const BranchShare share = list.share[branch];
-        BranchShare& sum = list.share[at];
-        sum = merge ? BranchShare{sum.r + share.r, sum.g + share.g, sum.b + share.b} : share;
-        if (!merge) ++kept;
-    }
-    list.count = static_cast<std::uint8_t>(kept);
 }
 
 inline void LpeServices::move_states(Tracker& tracker, lpe::EventClass event) const {
     if (tracker.count_ == 0) return;
     ++tracker.moves_;
-    move_list(setup_.main_, tracker.main(), event);
-    if (tracker.layer_count_ != 0) [[unlikely]]
-        move_layers(tracker, event);
+    const lpe::ProgramView& program = setup_.main_;
+    if (!tracker.whole_) return move_split(tracker, event);
+    if (tracker.groups_ == 1) {
+        tracker.state_[0] = program.next(tracker.state_[0], event);
+        tracker.count_ = tracker.state_[0] != lpe::Program::dead;
+    } else {
+        tracker.count_ = program.advance(tracker.state_.data(), event, tracker.state_.data());
+    }
 }
 
 inline void LpeServices::move_states(Tracker& tracker, std::span<const LobePart> parts) {
@@ -126,7 +101,7 @@ inline void LpeServices::contribute(const Rgb& value, Technique technique, const
         if (!tracker.whole_) scale(part, tracker.share_[branch]);
         splat_branch(setup_.main_, &tracker.state_[branch * words], 0, part, tracker.row_);
     }
-    if (tracker.layer_count_ != 0) [[unlikely]]
+    if (!tracker.whole_ && tracker.layer_count_ != 0) [[unlikely]]
         contribute_to_layers(SampleTable::Light{{0, r}, {g, b}}, tracker);
 }
 
@@ -170,17 +145,9 @@ void LpeServices::for_each_accepted(const Tracker& tracker, Visit visit) const {
 
 inline bool LpeServices::live_after(const Tracker& tracker, lpe::EventClass event) const {
     if (takes_all(tracker)) return true;
-    if (setup_.live_.empty() && tracker.held_out_) return false;
-    const lpe::ProgramView& program = setup_.main_;
-    std::array<lpe::State, Tracker::group_limit> next;
-    for (std::size_t branch = 0; branch < tracker.count_; ++branch) {
-        if (!program.advance(&tracker.state_[branch * tracker.groups_], event, next.data())) continue;
-        if (setup_.live_.empty() || is_live(program, next.data(), tracker.held_out_)) return true;
-    }
-    if (!tracker.held_out_ || tracker.layer_count_ == 0) return false;
     Tracker ahead = tracker;
     move_states(ahead, event);
-    return is_live(ahead);
+    return live(ahead);
 }
 
 }  // namespace raylex::display

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "display/output/atomic_file.h"
 #include "experiments/cli/commands.h"
 #include "experiments/cli/loading_line.h"
 #include "experiments/cli/option_group.h"
@@ -47,10 +48,7 @@ Status check_proposal(const Job& job, const PassesOptions& options) {
     for (const std::string& input : {options.input, job.scene_file})
         if (fs::equivalent(options.output, input, failed))
             return error_at({options.output, 0, 0}, "is an input and would be overwritten; expected another file");
-    const fs::path folder = fs::absolute(options.output).parent_path();
-    if (!fs::is_directory(folder, failed))
-        return error_at({folder.string(), 0, 0}, "is no folder; expected one for the job");
-    return success();
+    return display::check_writable(options.output);
 }
 
 /// Returns the beginning of the proposed job: the job of the input, or a [scene] table.

@@ -9,6 +9,7 @@
 #include "experiments/job/passes/pass_sum.h"
 #include "experiments/job/sampling_requests.h"
 #include "experiments/program/console.h"
+#include "transport/render/resolve/resolved_job.h"
 #include "transport/render/tiles.h"
 
 namespace raylex::experiments {
@@ -109,6 +110,12 @@ class PassRenderer {
 
     Result<JobOutput> run() {
         const std::size_t with_aovs = plan_.with_aovs();
+        // What one pass does not support is found before another one is rendered.
+        for (std::size_t i = 0; i < plan_.passes.size(); ++i) {
+            const RenderSettings settings = settings_of(job_, plan_, i);
+            if (auto resolved = transport::ResolvedJob::resolve(built_, settings); !resolved)
+                return of_pass(i, resolved.error());
+        }
         if (Status done = render(with_aovs); !done) return done.error();
         for (std::size_t i = 0; i < plan_.passes.size(); ++i) {
             if (i == with_aovs) continue;
@@ -130,6 +137,11 @@ class PassRenderer {
     }
 
   private:
+    [[nodiscard]] Error of_pass(std::size_t index, Error error) const {
+        error.message = "the pass '" + plan_.passes[index].name + "': " + error.message;
+        return error;
+    }
+
     Status render(std::size_t index) {
         RenderSettings settings = settings_of(job_, plan_, index);
         if (const auto next = settings.before_rendering; next)
@@ -144,11 +156,7 @@ class PassRenderer {
         std::optional<display::FrameBuffer> half;
         auto output = plan_.passes[index].has_halves ? render_halves(settings, progress, half)
                                                      : transport::render(scene_, built_, settings, progress, stop_);
-        if (!output) {
-            Error error = output.error();
-            error.message = "the pass '" + plan_.passes[index].name + "': " + error.message;
-            return error;
-        }
+        if (!output) return of_pass(index, output.error());
         records_[index] = record_of(index, *output);
         if (plan_.passes[index].has_halves && (!half || !output->samples.complete))
             output->warnings.push_back(

@@ -57,6 +57,11 @@ TEST_CASE("render refuses passes that are no partition or that it does not suppo
     check_refused(folder, "render room.pbrt -o a.exr --pass path:rest --checkpoint 60s",
                   {"passes do not support checkpoints"});
     check_refused(folder, "render room.pbrt -o a.exr --layer-passes", {"--layer-passes without passes"});
+    const Outcome crop =
+        run_raylex(folder, "render room.pbrt -o a.exr --crop 0,0,4,4 --pass path:rest --pass 'bdpt:C<RD>[LB]'");
+    CHECK(crop.code == 2);
+    CHECK(contains(crop.err, "the pass 'bdpt': a crop of a render"));
+    CHECK_FALSE(contains(crop.out, "rendering"));  // before a ray of the other pass
     check_refused(folder, "render room.pbrt -o a.exr --pass rest", {"--pass", "expected METHOD:EXPR"});
 }
 
@@ -94,7 +99,7 @@ TEST_CASE("passes --propose writes a job that render accepts", "[passes]") {
     check_refused(folder, "passes room.pbrt -o room.pbrt --propose", {"expected a name that ends in .toml"});
     folder.write("own.toml", "[scene]\nfile = 'room.pbrt'\n");
     check_refused(folder, "passes own.toml -o own.toml --propose", {"is an input and would be overwritten"});
-    check_refused(folder, "passes room.pbrt -o none/p.toml --propose", {"none: is no folder"});
+    check_refused(folder, "passes room.pbrt -o none/p.toml --propose", {"none/p.toml", "No such file"});
     folder.write("saved.toml", "[scene]\nfile = 'room.pbrt'\n[render]\ncheckpoint = '10s'\n");
     check_refused(folder, "passes saved.toml --propose", {"saved.toml", "passes do not support checkpoints"});
 }

@@ -187,6 +187,34 @@ TEST_CASE("Passes: layers change no bit of the beauty", "[passes][law2]") {
     }
 }
 
+TEST_CASE("Passes: layers of more light groups than have bits change no bit of the beauty", "[passes][law2]") {
+    std::string scene = plain_film + R"(
+LookAt 0 2 5  0 0.5 0  0 1 0
+Camera "perspective" "float fov" 40
+WorldBegin
+Material "coateddiffuse" "rgb reflectance" [0.7 0.5 0.3] "float roughness" 0.4
+Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-4 0 4 4 0 4 4 0 -4 -4 0 -4]
+)",
+                groups, classes;
+    for (int i = 0; i < 70; ++i) {
+        const std::string n = std::to_string(i), at = std::to_string(0.25 * (i % 10) - 1) + " " +
+                                                      std::to_string(0.6 + 0.1 * (i / 10)) + " " +
+                                                      std::to_string(0.2 * (i / 10) - 1);
+        scene += "MakeNamedMaterial \"m" + n + "\" \"string type\" \"diffuse\"\n" + "AttributeBegin NamedMaterial \"m" +
+                 n + "\" AreaLightSource \"diffuse\" \"rgb L\" [3 2 " + n + "] Translate " + at +
+                 " Rotate 90 1 0 0 Shape \"disk\" \"float radius\" 0.05 AttributeEnd\n";
+        groups += "[[light_group]]\narea_light_material = 'm" + n + "'\ngroup = 'g" + n + "'\n";
+        if (i % 2 == 0)
+            classes += (i == 0 ? "" : "|") + std::string("(C<RD>{") + (i % 4 == 0 ? "1" : "2") + "}<L.'g" + n + "'>)";
+    }
+    const std::string job =
+        "[render]\nspp = 4\nmax_depth = 3\n" + groups + pass("path", classes) + pass("bdpt", "rest");
+    const JobOutput bare = plan_of(scene, job).rendered();
+    const JobOutput split = plan_of(scene, job + "[channels]\nlight_groups = true\n").rendered();
+    check_same_bits(values_of(split, "beauty"), values_of(bare, "beauty"));
+    CHECK(values_of(split, "light_g69").size() == values_of(bare, "beauty").size());
+}
+
 TEST_CASE("Passes: the sum agrees with one method, layer by layer", "[passes][statistical][gate]") {
     constexpr int seeds = 12;
     std::vector<std::string> names;
@@ -300,6 +328,12 @@ TEST_CASE("Passes: what they do not support is refused by name", "[passes]") {
     refused(pass("pth", "rest"), "pth");
     refused("[render]\nlayer_passes = true\n", "--layer-passes without passes");
     refused(pass("path", "rest", "spp = 0\n"), "spp");
+    refused("pass = []\n", "job.toml:2:8: 'pass' has no pass");
+    refused("pass = 'path:rest'\n", "'pass'");
+    refused("[pass]\nmethod = 'path'\n", "'pass'");
+    refused("[[pass]]\n", "method");
+    refused("[[pass]]\ntakes = 'rest'\n", "method");
+    refused("[[pass]]\nmethod = 'path'\n", "takes");
     refused(pass("path", "rest", "share = -1\n"), "share");
 }
 
@@ -315,6 +349,7 @@ TEST_CASE("Passes: flags have the keys of tables", "[passes]") {
     REQUIRE(parsed->method.parameters.parameters.size() == 1);
     CHECK(parsed->method.parameters.parameters[0].type == raylex::ParameterType::boolean);
     CHECK(parse_pass("path:C<.'a:b=c'>L", {})->takes == "C<.'a:b=c'>L");
+    CHECK_FALSE(parse_pass("path:rest:spp=4:spp=8", {}).ok());
     for (const char* wrong : {"path", ":C.*", "path:", "path:rest:spp=0", "path:rest:spp=x", "path:rest:aovs=yes"})
         CHECK_FALSE(parse_pass(wrong, {}).ok());
 }

@@ -104,8 +104,10 @@ void CameraSubpaths::report_surfaces() {
 }
 
 void CameraSubpaths::keep_live_lobes() {
+    if (record_.counts_alike()) return;
     VertexBatch& v = vertices_;
     for (std::size_t j = 0; j < v.surfaces; ++j) {
+        if (record_.events().scatterings(v.sources[j].label, v.points[j].material).size() < 2) continue;
         const std::optional<SideLobes> lobes = v.bsdfs[j].side_lobes();
         if (!lobes || record_.takes_all(v.rows[j])) continue;
         const auto live = [&](LobeId lobe) { return record_.is_live_lobe(v.rows[j], v.sources[j].label, lobe); };

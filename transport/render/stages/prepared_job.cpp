@@ -110,10 +110,11 @@ Result<PreparedJob> PreparedJob::prepare(ResolvedJob resolved, const Stopwatch& 
         std::make_unique<const EventTable>(*job.channels.lpe, job.scene.view(), job.settings.labels.lobe_slots,
                                            job.settings.paths.prune && !*counts, regularizes);
     prepared.aovs = std::make_unique<const geoaovs::GeometricAovs>(job.channels.list);
-    // A plan depends on the states of all channels. A beauty of some paths must not depend on them (Law 2).
-    prepared.paths = std::make_unique<const PlannedPaths>(
-        job.settings.channels.takes.empty() ? make_path_plan(prepared.context(), job.integrator().plan_request())
-                                            : PlannedPaths{});
+    PlanRequest request = job.integrator().plan_request();
+    // Pilots choose splits and roulette by the light of all channels, which the beauty of a class must not depend on
+    // (Law 2). Techniques are chosen by what is live, which the class alone decides.
+    if (!job.settings.channels.takes.empty()) request.splits = request.roulette = false;
+    prepared.paths = std::make_unique<const PlannedPaths>(make_path_plan(prepared.context(), request));
     if (Status s = prepared.train(since_call, stop); !s) return s.error();
     if (Status s = job.integrator().prepare(prepared.context()); !s) return s.error();
     for (Omission& omission : job.integrator().omissions())

@@ -28,6 +28,8 @@ NamedValues settings_text(const transport::RenderSettings& settings, const trans
         const std::string name = "passes." + std::to_string(i + 1);
         add_entity(values, name, passes[i].method);
         values.emplace_back(name + ".takes", passes[i].takes);
+        if (!passes[i].name.empty()) values.emplace_back(name + ".name", passes[i].name);
+        if (passes[i].has_aovs) values.emplace_back(name + ".aovs", "on");
         values.emplace_back(name + ".spp", std::to_string(passes[i].samples_per_pixel.value_or(1)));
         values.emplace_back(name + ".share", number_text(passes[i].time_share, 17));
     }
