@@ -229,7 +229,7 @@ std::uint64_t Liveness::live_terminals() const {
 std::uint64_t Liveness::state_of(const Tracker& tracker) const {
     if (states_.empty()) return 0;
     std::uint64_t state = 1;
-    const std::size_t words = std::size_t{tracker.count_} * tracker.groups_;
+    const std::size_t words = std::size_t{tracker.count_} * program_->word_count;
     for (std::size_t i = 0; i < words; ++i) state = mix_bits(state ^ tracker.state_[i]);
     return state | 1;
 }

@@ -88,7 +88,7 @@ inline Liveness::LiveSet Liveness::of(const Tracker& tracker) const {
     if (states_.empty()) return {};
     if (has_parallel_) return of_parallel(tracker);
     LiveSet live{0, false, false};
-    const std::size_t words = std::size_t{tracker.count_} * tracker.groups_;
+    const std::size_t words = std::size_t{tracker.count_} * program_->word_count;
     for (std::size_t i = 0; i < words; ++i) join(live, states_[tracker.state_[i]]);
     return live;
 }
@@ -97,7 +97,7 @@ inline Liveness::LiveSet Liveness::after(const Tracker& tracker, std::span<const
     if (states_.empty()) return {};
     if (has_parallel_) return after_parallel(tracker, scatterings);
     LiveSet live{0, false, false};
-    const std::size_t words = std::size_t{tracker.count_} * tracker.groups_;
+    const std::size_t words = std::size_t{tracker.count_} * program_->word_count;
     for (std::size_t i = 0; i < words; ++i)
         for (const lpe::EventClass event : scatterings) join(live, states_[program_->next(tracker.state_[i], event)]);
     return live;

@@ -148,14 +148,25 @@ LpeServices::SplitSuffix LpeServices::prepend_split(PathSuffixes& pool, const Pa
 void LpeServices::connect_states(Tracker& tracker, const PathSuffixes& pool, const PathSuffix& suffix) {
     if (tracker.count_ == 0) return;
     if (pool.reversed_ == nullptr) return move_along(tracker, pool, suffix);
-    if (!tracker.whole_ && tracker.layer_count_ != 0) [[unlikely]] {
-        const Tracker camera = tracker;
-        connect_main(tracker, pool, suffix);
-        if (tracker.count_ == 0) tracker.layer_count_ = 0;
-        else connect_layers(camera, *pool.layers_, pool.layers_of(suffix), tracker);
+    if (pool.layers_) connect_divided(tracker, pool, suffix);
+    else connect_main(tracker, pool, suffix);
+}
+
+/// Connects the class, then the channels beside it.
+void LpeServices::connect_divided(Tracker& tracker, const PathSuffixes& pool, const PathSuffix& suffix) {
+    if (!suffix.live()) {
+        tracker.count_ = tracker.layer_count_ = 0;
         return;
     }
+    const PathSuffixes& of_layers = *pool.layers_;
+    const PathSuffix layers = pool.layers_of(suffix);
+    if (tracker.whole_ && suffix.whole_ && layers.whole_ && of_layers.reversed_ != nullptr)
+        return connect_main(tracker, of_layers, layers);
+    if (tracker.whole_) tracker.divide();
+    const Tracker camera = tracker;
     connect_main(tracker, pool, suffix);
+    if (tracker.count_ == 0) tracker.layer_count_ = 0;
+    else connect_layers(camera, of_layers, layers, tracker);
 }
 
 void LpeServices::move_along(Tracker& tracker, const PathSuffixes& pool, const PathSuffix& suffix) {

@@ -82,7 +82,7 @@ void BranchList::collapse(std::size_t first, std::size_t last, std::size_t targe
 }
 
 void BranchList::fit(const Branches& of_class) {
-    if (of_class.share == nullptr) return;  // the shares sum to 1
+    if (of_class.share == nullptr || of_class.count == 0) return;  // the shares sum to 1, or there are none
     for (std::size_t k = 0; k < of_class.count; ++k) {
         const RgbD wanted = of_class.share_of(k);
         RgbD total, scale;

@@ -1,6 +1,7 @@
 // The branches of channels beside a class of paths (lpe_services.h). The class moves first; then its states and shares
 // bound those of the channels.
 #include <algorithm>
+#include <utility>
 
 #include "display/services/samples/branches.h"
 #include "display/services/samples/lpe_services.h"
@@ -14,16 +15,24 @@ void Tracker::copy_layers(const Tracker& other) noexcept {
     std::copy_n(from.share, from.count, layers().share);
 }
 
-Tracker LpeServices::begin_layers(int row) const {
-    Tracker tracker;
-    tracker.row_ = row;
-    tracker.groups_ = tracker.count_ = tracker.layer_count_ = 1;
-    tracker.layer_groups_ = static_cast<std::uint8_t>(setup_.first_layer_states_.size());
-    tracker.whole_ = false;
-    tracker.main().share[0] = tracker.layers().share[0] = {1, 1, 1};
-    tracker.state_[0] = setup_.first_states_[0];
-    std::copy(setup_.first_layer_states_.begin(), setup_.first_layer_states_.end(), tracker.layers().state);
-    return tracker;
+void Tracker::divide() {
+    layer_groups_ = groups_;
+    layer_count_ = count_;
+    std::copy_n(state_.data(), layer_groups_, layers().state);
+    groups_ = 1;
+    whole_ = false;
+    share_[0] = layers().share[0] = {1, 1, 1};
+}
+
+void Tracker::unite() {
+    const auto is_whole = [](const Branches& list) {
+        return list.count == 1 && list.share->r == 1 && list.share->g == 1 && list.share->b == 1;
+    };
+    if (!is_whole(branches_of_main()) || !is_whole(branches_of_layers())) return;
+    std::copy_n(layers().state, layer_groups_, state_.data());
+    groups_ = std::exchange(layer_groups_, std::uint8_t{0});
+    layer_count_ = 0;
+    whole_ = true;
 }
 
 void LpeServices::split_layers(Tracker& tracker, std::span<const LobePart> parts, const Fractions& fractions,
@@ -40,15 +49,7 @@ void LpeServices::split_layers(Tracker& tracker, std::span<const LobePart> parts
                    });
     branches.fit(of_class);
     put(tracker.layers(), branches);
-}
-
-void LpeServices::contribute_to_layers(const SampleTable::Light& light, const Tracker& tracker) {
-    const Branches layers = tracker.branches_of_layers();
-    for (std::size_t branch = 0; branch < layers.count; ++branch) {
-        SampleTable::Light part = light;
-        scale(part, layers.share[branch]);
-        splat_branch(setup_.program_.view(), layers.state_of(branch), 1, part, tracker.row_);
-    }
+    tracker.unite();
 }
 
 }  // namespace raylex::display

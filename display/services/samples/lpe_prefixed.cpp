@@ -72,9 +72,11 @@ bool LpeServices::is_live(const Tracker& tracker) const {
             if (is_live(program, list.state_of(branch), tracker.held_out_)) return true;
         return false;
     };
+    const lpe::ProgramView& program = setup_.program_.view();
+    if (tracker.whole_) return any(program, tracker.branches_of_main());
     // Beside a class only channels of held out paths have a liveness of their own.
     return any(setup_.main_, tracker.branches_of_main()) ||
-           (tracker.held_out_ && any(setup_.program_.view(), tracker.branches_of_layers()));
+           (tracker.held_out_ && any(program, tracker.branches_of_layers()));
 }
 
 bool LpeServices::needs_visibility(const Tracker& tracker) const {

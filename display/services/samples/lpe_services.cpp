@@ -85,10 +85,6 @@ Result<LpeSetup> LpeSetup::build(std::span<const ChannelDefinition> channels, Ch
     std::vector<lpe::State>& first = setup.first_states_;
     first.resize(compiled.word_count());
     if (!compiled.advance(compiled.starts().data(), compiled.classify(lpe::Event{}), first.data())) first.clear();
-    if (setup.has_layers() && !first.empty()) {
-        setup.first_layer_states_ = first;
-        first.resize(1);
-    }
     for (const lpe::ChannelSource& source : *sources)
         setup.has_user_events_ = setup.has_user_events_ || source.expression.find('U') != std::string::npos;
     setup.find_liveness();
@@ -185,6 +181,7 @@ void LpeServices::split(Tracker& tracker, std::span<const LobePart> parts) {
     Fractions fractions(parts);
     if (attribution_ == Attribution::picked) fractions.pick(numbers.next());
     const lpe::ProgramView& program = setup_.main_;
+    if (tracker.whole_ && setup_.has_layers()) tracker.divide();
     BranchList branches(tracker.groups_);
     branches.split(tracker.branches_of_main(), parts, fractions, branch_limit(tracker), numbers,
                    [&](const lpe::State* from, lpe::EventClass event, lpe::State* to) {

@@ -125,6 +125,8 @@ class Tracker {
     [[nodiscard]] Branches branches_of_layers() const {
         return {state_.data() + class_capacity, share_.data() + class_capacity, layer_count_, layer_groups_};
     }
+    void divide();  ///< from a whole path to two lists
+    void unite();   ///< back, if nothing is split
     void copy(const Tracker& other) noexcept;
     void copy_layers(const Tracker& other) noexcept;
     std::int32_t row_ = 0;
@@ -135,8 +137,8 @@ class Tracker {
     std::uint8_t groups_ = 0;  // words of state per branch
     bool whole_ = true;        // never split: at most one branch, whose share of 1 is not stored
     bool held_out_ = false;    // the path's first hit is a holdout
-    // Branches of channels beside a class, and words of their states. Such a tracker stores all shares: it is not
-    // whole.
+    // Branches of channels beside a class, and words of their states, once the path is split. A whole path needs only
+    // one list, because its state begins with that of the class.
     std::uint8_t layer_count_ = 0, layer_groups_ = 0;
     std::array<lpe::State, state_room> state_;  // [branch][group]; uninitialised
     std::array<BranchShare, capacity> share_;   // [branch]
@@ -210,8 +212,7 @@ class LpeSetup {
     lpe::ProgramView main_;  // points into program_
     bool of_class_ = false;
     std::shared_ptr<const PathAlphabet> alphabet_;
-    // [word] after the camera event, in main() and, with layers, in the whole program; empty when all are dead.
-    std::vector<lpe::State> first_states_, first_layer_states_;
+    std::vector<lpe::State> first_states_;      // [word] after the camera event; empty when all are dead
     std::vector<ChannelId> channel_of_accept_;  // program channel -> display channel
     SplatTargets targets_;                      // each channel separately
     ChannelId beauty_ = invalid_channel;
@@ -317,14 +318,12 @@ class LpeServices {
     // The parts of moves and connections for channels, and those for an atlas.
     static void move_list(const lpe::ProgramView& program, Tracker::List list, lpe::EventClass event);
     void move_split(Tracker& tracker, lpe::EventClass event) const;
-    [[nodiscard]] Tracker begin_layers(int row) const;
     void split_layers(Tracker& tracker, std::span<const LobePart> parts, const Fractions& fractions,
                       const Branches& of_class);
     void move_along(Tracker& tracker, const PathSuffixes& pool, const PathSuffix& suffix);
     void connect_main(Tracker& tracker, const PathSuffixes& pool, const PathSuffix& suffix);
+    void connect_divided(Tracker& tracker, const PathSuffixes& pool, const PathSuffix& suffix);
     void connect_layers(const Tracker& camera, const PathSuffixes& pool, const PathSuffix& suffix, Tracker& connected);
-    void contribute_to_layers(const SampleTable::Light& light, const Tracker& tracker);
-    static void scale(SampleTable::Light& part, const BranchShare& share);
     void splat_branch(const lpe::ProgramView& program, const lpe::State* states, std::uint32_t first_table,
                       const SampleTable::Light& part, int row);
     void move_states(Tracker& tracker, lpe::EventClass event) const;

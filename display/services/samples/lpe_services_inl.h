@@ -27,8 +27,6 @@ inline void Tracker::copy(const Tracker& other) noexcept {
 }
 
 inline Tracker LpeServices::begin(int row) const {
-    if (!setup_.first_layer_states_.empty()) [[unlikely]]
-        return begin_layers(row);
     Tracker tracker;
     tracker.row_ = row;
     tracker.groups_ = static_cast<std::uint8_t>(setup_.first_states_.size());
@@ -40,7 +38,7 @@ inline Tracker LpeServices::begin(int row) const {
 inline void LpeServices::move_states(Tracker& tracker, lpe::EventClass event) const {
     if (tracker.count_ == 0) return;
     ++tracker.moves_;
-    const lpe::ProgramView& program = setup_.main_;
+    const lpe::ProgramView& program = setup_.program_.view();
     if (!tracker.whole_) return move_split(tracker, event);
     if (tracker.groups_ == 1) {
         tracker.state_[0] = program.next(tracker.state_[0], event);
@@ -95,19 +93,21 @@ inline void LpeServices::contribute(const Rgb& value, Technique technique, const
     }
     if (path_strings_ != nullptr) [[unlikely]]
         keep_light(value, technique, tracker);
-    const std::size_t words = tracker.groups_;
-    for (std::size_t branch = 0; branch < tracker.count_; ++branch) {
-        SampleTable::Light part{{0, r}, {g, b}};
-        if (!tracker.whole_) scale(part, tracker.share_[branch]);
-        splat_branch(setup_.main_, &tracker.state_[branch * words], 0, part, tracker.row_);
+    const SampleTable::Light light{{0, r}, {g, b}};
+    if (tracker.whole_) {
+        if (tracker.count_ != 0) splat_branch(setup_.program_.view(), tracker.state_.data(), 0, light, tracker.row_);
+        return;
     }
-    if (!tracker.whole_ && tracker.layer_count_ != 0) [[unlikely]]
-        contribute_to_layers(SampleTable::Light{{0, r}, {g, b}}, tracker);
-}
-
-inline void LpeServices::scale(SampleTable::Light& part, const BranchShare& share) {
-    part.first *= SampleTable::Pair{0, share.r};
-    part.second *= SampleTable::Pair{share.g, share.b};
+    const auto splat_list = [&](const lpe::ProgramView& program, const Branches& list, std::uint32_t first_table) {
+        for (std::size_t branch = 0; branch < list.count; ++branch) {
+            SampleTable::Light part = light;
+            part.first *= SampleTable::Pair{0, list.share[branch].r};
+            part.second *= SampleTable::Pair{list.share[branch].g, list.share[branch].b};
+            splat_branch(program, list.state_of(branch), first_table, part, tracker.row_);
+        }
+    };
+    splat_list(setup_.main_, tracker.branches_of_main(), 0);
+    if (tracker.layer_count_ != 0) splat_list(setup_.program_.view(), tracker.branches_of_layers(), 1);
 }
 
 inline void LpeServices::splat_branch(const lpe::ProgramView& program, const lpe::State* states,
@@ -139,6 +139,7 @@ void LpeServices::for_each_accepted(const Tracker& tracker, Visit visit) const {
                 if (!beside_class || channel != 0) visit(channel, list.share_of(branch));
             });
     };
+    if (tracker.whole_) return visit_list(setup_.program_.view(), tracker.branches_of_main(), false);
     visit_list(setup_.main_, tracker.branches_of_main(), false);
     visit_list(setup_.program_.view(), tracker.branches_of_layers(), true);
 }
