@@ -144,7 +144,7 @@ TEST_CASE("no survival is below a twentieth, and no vertex has more than eight b
                 region.by_square = by_square;
                 region.by_noise = by_square * noisy;
                 const Real rays = transport::rays_by_gain(region, throughput);
-                CHECK(rays >= 0.05f);
+                CHECK(rays >= transport::least_survival);
                 CHECK(rays <= 8);
                 if (by_square * throughput >= 1) CHECK(rays >= 1);
             }
