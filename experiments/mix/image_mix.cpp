@@ -361,10 +361,8 @@ class ImageMixPlan {
 
 Result<MixedImage> mix_image(const std::string& from, const std::string& to, const Mix& mix,
                              const std::string& command) {
-    if (std::filesystem::path(to).extension() != ".exr")
-        return error_at({to, 0, 0}, "the mixed image is an OpenEXR file; expected a name that ends in .exr");
-    std::error_code failed;
-    if (from == to || std::filesystem::equivalent(from, to, failed))
+    if (!to.ends_with(".exr")) return error_at({to, 0, 0}, "is no OpenEXR file; expected a name that ends in .exr");
+    if (std::error_code failed; from == to || std::filesystem::equivalent(from, to, failed))
         return error_at({to, 0, 0}, "the output is the input and would be overwritten; expected another file");
     if (display::is_atlas(from))
         return error_at({from, 0, 0}, "this is a path atlas; expected an image with layers of light groups",
