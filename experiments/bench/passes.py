@@ -54,8 +54,9 @@ def table(passes):
 def methods_of(spp):
     single = {name: [{"method": name, "takes": "rest", "spp": count}]
               for name, count in (("bdpt", spp), ("path", 2 * spp), ("lighttracer", 2 * spp))}
-    for name, count in (("lighttracer", 8 * spp), ("bdpt", spp)):
-        single[f"caustics-by-{name}"] = [{"method": "path", "takes": "rest", "spp": spp},
+    for name, label, count in (("lighttracer", "lighttracer", 8 * spp), ("lighttracer", "few-light-paths", spp // 2),
+                               ("bdpt", "bdpt", spp)):
+        single[f"caustics-by-{label}"] = [{"method": "path", "takes": "rest", "spp": spp},
                                          {"method": name, "takes": CAUSTICS, "spp": count}]
     return single
 
