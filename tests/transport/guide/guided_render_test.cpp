@@ -163,7 +163,7 @@ TEST_CASE("a guided render in many sessions has the bits of one that was never i
     for (int sessions = 1;; ++sessions) {
         std::atomic<bool> stop{false};
         settings.machine.threads = 1 + sessions % 3;
-        interruption().begin(3'000, &stop);
+        interruption().begin(2'000, &stop);
         auto output = transport::render(scene, settings, {}, &stop);
         interruption().begin(0, nullptr);
         REQUIRE(output.ok());
@@ -172,7 +172,7 @@ TEST_CASE("a guided render in many sessions has the bits of one that was never i
             settings.checkpoint->resume = true;
             continue;
         }
-        CHECK(sessions > 20);
+        CHECK(sessions > 20);  // the threads leave their batches at once, so sessions differ a little
         const auto record = raylex::display::RecordFileReader::open(file.path());
         CHECK((record.ok() && record->has("guide")));
         CHECK((frame_bits(*output) == frame_bits(whole)));
