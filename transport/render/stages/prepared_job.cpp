@@ -112,7 +112,7 @@ Result<PreparedJob> PreparedJob::prepare(ResolvedJob resolved, const Stopwatch& 
     prepared.aovs = std::make_unique<const geoaovs::GeometricAovs>(job.channels.list);
     PlanRequest request = job.integrator().plan_request();
     // Pilots choose splits and roulette by the light of all channels, which the beauty of a class must not depend on
-    // (Law 2). Techniques are chosen by what is live, which the class alone decides.
+    // (Law 2). The choice of techniques depends on live light, and so on the class alone.
     if (!job.settings.channels.takes.empty()) request.splits = request.roulette = false;
     prepared.paths = std::make_unique<const PlannedPaths>(make_path_plan(prepared.context(), request));
     if (Status s = prepared.train(since_call, stop); !s) return s.error();
