@@ -114,12 +114,11 @@ template <TransportMode mode>
 [[gnu::noinline]] BsdfSample sample_direction(const DirectionSampler& directions, const Bsdf& bsdf,
                                               const SurfacePoint& point, Real u_lobe, const Vec2& u) {
     BsdfSample s = directions.sample(bsdf, point, mode, u_lobe, u);
-    if (!(s.pdf > 0)) return s;
-    if (s.delta) {
+    if (!(s.pdf > 0) || s.is_weighed) return s;
+    if (s.delta || s.pdf_is_proportional) {
         if constexpr (mode == TransportMode::importance) weigh_importance(bsdf, point, s);
         return s;
     }
-    if (s.is_weighed) return s;
     const ConnectedScattering scattering = evaluate_scattering<mode, false>(nullptr, bsdf, point, s.wi);
     s.weight = scattering.f.value * (1 / s.pdf);
     s.lobes = scattering.f.lobes;

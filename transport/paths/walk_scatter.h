@@ -158,13 +158,13 @@ template <TransportMode mode>
                   .arrived = arrived * path.beta.average(),
                   .strength = path.beta.max() * path.roulette_scale,
                   .split = !splits_.empty() && splits_[row].split,
-                  .guidable = bsdf.has_density() && bsdf.pdf_is_exact(),
+                  .guidable = bsdf.has_density() && bsdf.can_be_guided(),
                   .specular = s.delta,
                   .position = path.from,
                   .direction = s.wi,
                   .normal = path.from_normal,
-                  .chance = s.pdf,
-                  .pdf = path.pdf});
+                  .chance = s.pdf * s.drawn_over_pdf,
+                  .pdf = path.pdf * s.drawn_over_pdf});
 }
 
 /// Counts and logs a throughput that is NaN or infinite (Law 6).

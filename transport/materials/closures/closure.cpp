@@ -96,6 +96,14 @@ void Bsdf::edit(Edit&& edit_closure) {
     });
 }
 
+Bsdf Bsdf::without_bias() const {
+    Bsdf unbiased = *this;
+    unbiased.edit([](auto& closure) {
+        if constexpr (requires { closure.coat; }) closure.coat.as_pbrt = false;
+    });
+    return unbiased;
+}
+
 void Bsdf::keep_side(Sides side) {
     edit([&](auto& closure) {
         if constexpr (requires { closure.sides; }) closure.sides = side;

@@ -38,12 +38,25 @@ class Bsdf {
             return LambertClosure::pdf(frame_, wo, wi);
         return pdf_other(wo, wi);
     }
-    /// Whether pdf() is the density of sample(). Of layered closures it is only near it, and closures of plugins may be
-    /// stochastic.
-    [[nodiscard]] bool pdf_is_exact() const {
-        return !holds<LayeredClosure<LambertClosure>>() && !holds<LayeredClosure<ConductorClosure>>() &&
-               !holds<CustomClosure>();
+    /// Whether another sampler may draw directions beside sample(): evaluate(), without_bias(), finds all
+    /// light that sample() finds, and pdf() is a function of the directions. It need not be the density of sample()
+    /// (layered closures). False for closures of plugins, which may be stochastic, and for coats over smooth metals
+    /// (layered.h).
+    [[nodiscard]] bool can_be_guided() const {
+        if (const auto* coated = std::get_if<LayeredClosure<ConductorClosure>>(&closure_))
+            return coated->base.has_density();
+        return !holds<CustomClosure>();
     }
+    /// Whether evaluate() has the bias of pbrt-v4's rough coats (layered.h), so that a change of the weights in
+    /// multiple importance sampling changes the image.
+    [[nodiscard]] bool is_biased() const {
+        const auto* diffuse = std::get_if<LayeredClosure<LambertClosure>>(&closure_);
+        const auto* metal = std::get_if<LayeredClosure<ConductorClosure>>(&closure_);
+        const CoatLayer* coat = diffuse != nullptr ? &diffuse->coat : metal != nullptr ? &metal->coat : nullptr;
+        return coat != nullptr && coat->as_pbrt && !coat->interface.is_delta();
+    }
+    /// The same closure with values that are unbiased, and a pdf() whose integral is at most about 1.
+    [[nodiscard]] Bsdf without_bias() const;
     /// Whether any lobe has a density: false means that light sampling is of no use here.
     [[nodiscard]] bool has_density() const { return has_density_; }
     /// Rough estimate of the directional albedo, for the albedo AOV.

@@ -1,6 +1,7 @@
 #include "transport/paths/guide/guide.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "transport/paths/guide/guide_gains.h"
 
@@ -32,11 +33,11 @@ void Guide::locate(std::span<SurfacePoint> points) const {
 Real Guide::rays(const Bsdf& bsdf, const SurfacePoint& point, Real throughput) const {
     if (!bsdf.has_density()) return 1;
     const std::uint32_t number = point.direction_region > 0 ? point.direction_region - 1 : region_number(point);
-    return rays_by_gain(tree_.region(number), throughput);
+    return std::max(rays_by_gain(tree_.region(number), throughput), least_survival_);
 }
 
 const GuideTree::Region* Guide::region_of(const Bsdf& bsdf, const SurfacePoint& point, TransportMode mode) const {
-    if (mode == TransportMode::importance || !bsdf.pdf_is_exact()) return nullptr;
+    if (mode == TransportMode::importance || !bsdf.can_be_guided()) return nullptr;
     const std::uint32_t number = point.direction_region > 0 ? point.direction_region - 1 : region_number(point);
     const GuideTree::Region& region = tree_.region(number);
     return region.share > 0 ? &region : nullptr;
@@ -45,39 +46,46 @@ const GuideTree::Region* Guide::region_of(const Bsdf& bsdf, const SurfacePoint& 
 BsdfSample Guide::sample(const Bsdf& bsdf, const SurfacePoint& point, TransportMode mode, Real u_lobe,
                          const Vec2& u) const {
     const GuideTree::Region* region = region_of(bsdf, point, mode);
-    if (region == nullptr) {
-        BsdfSample s = bsdf.sample(point.wo, u_lobe, u);
-        if (s.pdf_is_proportional && !s.delta && s.pdf > 0) s.pdf = bsdf.pdf(point.wo, s.wi);
-        s.is_weighed = mode == TransportMode::radiance;
-        return s;
-    }
-    const Real share = region->share, rest = 1 - share;
+    const Real share = region == nullptr ? Real(0) : region->share, rest = 1 - share;
+    std::optional<Bsdf> without_bias;
+    if (bsdf.is_biased()) without_bias = bsdf.without_bias();
+    const Bsdf& closure = without_bias ? *without_bias : bsdf;
+    // The weights of the mixture are functions of the direction alone. They sum to 1 even where the closure's pdf() is
+    // not its density.
+    BsdfSample s;
+    Real closure_pdf = 0;
     if (u_lobe < share) {
-        BsdfSample s;
         s.wi = tree_.sample(*region, u);
-        const BsdfEvaluation f = bsdf.evaluate(point.wo, s.wi);
+        const BsdfEvaluation f = closure.evaluate(point.wo, s.wi);
         if (f.value.is_black()) return s;
-        s.pdf = mixed(share, tree_.density(*region, s.wi), f.pdf);
+        closure_pdf = f.pdf;
+        s.pdf = mixed(share, tree_.density(*region, s.wi), closure_pdf);
         s.weight = f.value * (1 / s.pdf);
-        s.favoured = favoured(s.pdf, f.pdf);
         s.lobes = f.lobes;
-        s.is_weighed = true;
-        return s;
+    } else {
+        if (share > 0) u_lobe = std::min((u_lobe - share) / rest, Real(1) - Real(0x1p-24));
+        s = closure.sample(point.wo, u_lobe, u);
+        if (!(s.pdf > 0)) return s;
+        closure_pdf = s.pdf_is_proportional && !s.delta ? closure.pdf(point.wo, s.wi) : s.pdf;
+        s.pdf = s.delta || share == 0 ? rest * closure_pdf : mixed(share, tree_.density(*region, s.wi), closure_pdf);
+        s.weight *= closure_pdf / s.pdf;
     }
-    BsdfSample s = bsdf.sample(point.wo, std::min((u_lobe - share) / rest, Real(1) - Real(0x1p-24)), u);
-    if (!(s.pdf > 0)) return s;
-    const Real closure_pdf = s.pdf;
-    s.pdf = s.delta ? rest * closure_pdf : mixed(share, tree_.density(*region, s.wi), closure_pdf);
-    s.weight *= closure_pdf / s.pdf;
     s.favoured = favoured(s.pdf, closure_pdf);
-    s.is_weighed = true;
+    s.is_weighed = mode == TransportMode::radiance;
+    if (without_bias && !s.delta) {
+        const Real drawn_with = s.pdf;
+        s.pdf = bsdf.pdf(point.wo, s.wi);
+        s.drawn_over_pdf = drawn_with / s.pdf;
+    }
     return s;
 }
 
 Real Guide::pdf(const Bsdf& bsdf, const SurfacePoint& point, TransportMode mode, const Vec3& to,
                 Real closure_pdf) const {
     const GuideTree::Region* region = region_of(bsdf, point, mode);
-    return region == nullptr ? closure_pdf : mixed(region->share, tree_.density(*region, to), closure_pdf);
+    // Light samples keep the weight that they have without a guide where it decides how much of a bias is seen.
+    if (region == nullptr || bsdf.is_biased()) return closure_pdf;
+    return mixed(region->share, tree_.density(*region, to), closure_pdf);
 }
 
 }  // namespace raylex::transport

@@ -1,8 +1,8 @@
 // A sampler of directions that learned where light comes from: the mixture of a closure's density and of a GuideTree's.
 //
 // One number chooses which of the two draws a direction; the density is that of the mixture (one-sample multiple
-// importance sampling with the balance heuristic; Veach 1997, section 9.2.4). Layered closures, whose pdf() is near
-// their density but not equal to it, draw all their directions themselves.
+// importance sampling with the balance heuristic; Veach 1997, section 9.2.4). Some closures draw all their
+// directions themselves (Bsdf::can_be_guided).
 #pragma once
 
 #include "transport/paths/direction_sampler.h"
@@ -17,6 +17,8 @@ class Guide final : public DirectionSampler {
     [[nodiscard]] const GuideTree& tree() const { return tree_; }
     /// Not while paths are drawn.
     void set_tree(GuideTree tree) { tree_ = std::move(tree); }
+    /// The least probability with which a path goes on where the tree plans rays. Not while paths are drawn.
+    void set_least_survival(Real probability) { least_survival_ = probability; }
 
     void locate(std::span<SurfacePoint> points) const override;
     [[nodiscard]] bool plans_rays() const override { return tree_.plans_rays(); }
@@ -32,6 +34,7 @@ class Guide final : public DirectionSampler {
                                                      TransportMode mode) const;
     [[nodiscard]] std::uint32_t region_number(const SurfacePoint& point) const;
     GuideTree tree_;
+    Real least_survival_ = 0;
 };
 
 }  // namespace raylex::transport

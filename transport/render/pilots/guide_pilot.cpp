@@ -36,6 +36,8 @@ constexpr std::size_t guide_bytes = std::size_t{64} << 20;  // sums of a round a
 constexpr double guide_vertex_cost = 0.6;
 // A region's share is chosen as if it were less: most of the cost is spent whether regions use the guide or not.
 constexpr double guide_share_cost = 1.02;
+// Where a guide has found nothing yet, other paths may find light.
+constexpr Real training_survival = Real(0.25);
 // Least gains with which `auto` goes on, by the number of rounds that are left: a guide becomes better with each.
 constexpr std::array<double, 4> worthwhile_gains{1.1, 1.05, 1.0, 0.9};
 constexpr double most_unlikely = 1e4;
@@ -56,7 +58,7 @@ struct GuideWorker {
         : paths(context, std::move(channels)) {}
     PilotPaths paths;
     std::unique_ptr<IntegratorThread> plain, guided;
-    std::uint64_t departures = 0;  // from vertices where the guide may draw the direction
+    std::uint64_t departures = 0;  // in this round, from vertices where the guide may draw the direction
     std::vector<double> unguided;  // [vertex] of a path: density of the closure over that of the draw, inverted
     std::vector<double> sums, squares;
 };
@@ -90,6 +92,7 @@ class GuidePilot {
     std::unique_ptr<Integrator> plain_, guided_;
     std::vector<std::unique_ptr<GuideWorker>> workers_;
     std::vector<GuideTile> tiles_;
+    IntegratorCounters before_;  // of guided paths in the rounds before
     std::atomic<bool> leave_{false};
     double mean_ = 0;                                  // of the image, in the first channel
     double finds_of_path_ = 1e-3;                      // records with light for each path of the last round
@@ -102,6 +105,7 @@ GuidePilot::GuidePilot(const IntegratorContext& context, const GuideTraining& tr
     context_.first_hits.pattern_channels = false;
     context_.scene.general_code = {};  // the cost of effects that are forced on changes no choice
     guide_ = std::make_unique<Guide>(GuideTree(context.scene.geometry->lit_bounds()));
+    guide_->set_least_survival(training_survival);
     plain_ = make_integrator(nullptr);
     guided_ = make_integrator(guide_.get());
     const std::size_t channels = training.channels.size();
@@ -240,6 +244,11 @@ bool GuidePilot::follow(std::uint32_t round) {
     count_ = round == 0 ? 1 : first_;
     // Neighbours help where light is found rarely.
     const int neighbours = static_cast<int>(std::min<double>(GuideSums::most_neighbours, 1 / finds_of_path_));
+    for (auto& worker : workers_) {
+        before_.add(worker->guided->counters);
+        worker->guided = guided_->make_thread_state();  // the tree may plan rays now
+        worker->departures = 0;
+    }
     if (round > 0) sums_ = std::make_unique<GuideSums>(guide_->tree(), neighbours);
     if (round > 0 && learns_gains()) gain_sums_ = std::make_unique<GainSums>(guide_->tree(), mean_);
     std::atomic<std::size_t> next{0};
@@ -282,7 +291,7 @@ bool GuidePilot::follow(std::uint32_t round) {
     return !leave_.load();
 }
 
-/// Mean cost of a path in the unit of pilot_cost().
+/// Mean cost of a path in the unit of pilot_cost(): of round 0 without the guide, of the last round with it.
 double GuidePilot::cost(bool guided) const {
     // Integers are summed first, so the cost has the same bits however threads shared the tiles.
     IntegratorCounters counters;
@@ -325,7 +334,7 @@ void GuidePilot::refine(bool final) {
     for (const GuideTile& tile : tiles_) paths += double(count_) * tile.pixels.width() * tile.pixels.height();
     if (finds > 0) finds_of_path_ = finds / paths;
     GuideTree tree = refined(*sums_, limits);
-    if (final && gain_sums_) {
+    if (gain_sums_ && count_ > 1) {
         LaterLight later;
         for (const GuideTile& tile : tiles_) later.variance += tile.later.variance, later.rays += tile.later.rays;
         gain_sums_->set_gains(tree, later);
@@ -333,6 +342,7 @@ void GuidePilot::refine(bool final) {
     gain_sums_.reset();
     sums_.reset();
     guide_->set_tree(std::move(tree));
+    if (final) guide_->set_least_survival(0);
 }
 
 void GuidePilot::summarize(TrainedGuide& trained) const {
@@ -344,11 +354,13 @@ void GuidePilot::summarize(TrainedGuide& trained) const {
     const auto guided =
         std::count_if(regions.begin(), regions.end(), [](const GuideTree::Region& each) { return each.share > 0; });
     summary.guided = static_cast<double>(guided) / static_cast<double>(regions.size());
-    for (const auto& worker : workers_)
-        for (const IntegratorThread* thread : {worker->plain.get(), worker->guided.get()}) {
-            trained.rays += pilot_rays(thread->counters);
-            summary.paths += thread->counters.camera_rays;
-        }
+    IntegratorCounters counters = before_;
+    for (const auto& worker : workers_) {
+        counters.add(worker->plain->counters);
+        counters.add(worker->guided->counters);
+    }
+    trained.rays = pilot_rays(counters);
+    summary.paths = counters.camera_rays;
 }
 
 /// The last round if each takes twice the time of the one before, and the time is limited.
