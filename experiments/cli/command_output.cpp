@@ -14,8 +14,8 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Options whose values are files or folders. The value of --plugin or --ocio can also be a name instead of a file.
-const std::set<std::string> path_options{"-o",       "--output",   "--stats", "--ocio",      "--atlas",
-                                         "--plugin", "--channels", "--to",    "--references"};
+const std::set<std::string> path_options{"-o",       "--output",   "--stats", "--ocio",       "--atlas",
+                                         "--plugin", "--channels", "--to",    "--references", "--guide-file"};
 
 bool is_path_option(const CLI::Option& option) {
     const auto listed = [](const std::vector<std::string>& names, const char* dashes) {

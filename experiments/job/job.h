@@ -71,6 +71,7 @@ struct Job {
     double exposure = 0;                  ///< exposure of previews of light, in stops
     double checkpoint_seconds = 0;        ///< between checkpoints; 0 = none
     bool resume = false;                  ///< continue from the checkpoint beside the output
+    bool guide_only = false;              ///< trains the guide for its file instead of rendering
     std::optional<ShardRequest> shard{};  ///< renders a shard instead of the image
     transport::MissingFiles missing = transport::MissingFiles::refused;  ///< treatment of missing files of the scene
     bool texture_rules = false;   ///< converts image textures by the colour config's file rules instead of pbrt's

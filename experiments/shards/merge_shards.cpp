@@ -146,6 +146,7 @@ void add_facts(ShardFacts& sum, const ShardFacts& shard) {
     sum.invalid_samples += shard.invalid_samples;
     sum.wall_seconds += shard.wall_seconds;
     sum.cpu_seconds += shard.cpu_seconds;
+    sum.guide_cpu_seconds += shard.guide_cpu_seconds;
 }
 
 /// Sets the header attributes of the merged image.

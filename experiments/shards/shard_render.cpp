@@ -37,6 +37,8 @@ static void visit_fields(auto visit, ShardFacts& facts) {
     visit("atlas", facts.has_atlas);
     visit("wall_seconds", facts.wall_seconds);
     visit("cpu_seconds", facts.cpu_seconds);
+    visit("guide_samples", facts.guide_samples);
+    visit("guide_cpu_seconds", facts.guide_cpu_seconds);
 }
 
 Result<ShardRange> shard_range(unsigned part, unsigned parts, std::uint64_t total) {
@@ -166,7 +168,9 @@ Status ShardRender::write(const std::string& path, const transport::RenderOutput
                                statistics.camera_samples,
                                statistics.invalid_samples,
                                statistics.render_seconds,
-                               statistics.render_cpu_seconds};
+                               statistics.render_cpu_seconds,
+                               statistics.guide.samples,
+                               statistics.guide.cpu_seconds};
     const display::PixelImage& pixels = output.image();
     const auto bands =
         display::record_bands(pixels.layout(), pixels.channels(), output.frame_buffer.takes_raster_splats());

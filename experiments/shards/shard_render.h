@@ -70,6 +70,8 @@ struct ShardFacts {
     ShardRange range;
     std::uint64_t camera_samples = 0, invalid_samples = 0;
     double wall_seconds = 0, cpu_seconds = 0;
+    std::uint64_t guide_samples = 0;  ///< of each pixel, from which the guide of all shards learned
+    double guide_cpu_seconds = 0;     ///< of the training; 0 in a shard that read its guide from a file
 };
 /// Parses the facts. Throws std::exception if the JSON has no such member.
 ShardFacts shard_facts(const Json& json);

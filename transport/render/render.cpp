@@ -71,9 +71,9 @@ Result<RenderOutput> render(const SceneDescription& scene, const RenderSettings&
 Result<RenderOutput> render(const SceneDescription& description, const BuiltScene& scene,
                             const RenderSettings& settings, const std::function<void(const RenderProgress&)>& progress,
                             const std::atomic<bool>* stop) {
-    if (!settings.checkpoint) return render(scene, settings, progress, stop);
+    if (!settings.checkpoint && settings.paths.guide_file.empty()) return render(scene, settings, progress, stop);
     RenderSettings identified = settings;
-    identified.checkpoint->identity.emplace_back("scene", hash_text(scene_hash(description)));
+    identified.identity.emplace_back("scene", hash_text(scene_hash(description)));
     return render(scene, identified, progress, stop);
 }
 

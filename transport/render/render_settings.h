@@ -97,6 +97,10 @@ struct PathSettings {
     /// Set: if the integrator learns a guide, it learns from so many samples of each pixel, and uses it; 0: no guide.
     /// So a render repeats one that a time limit ended (GuideSummary::repeated()).
     std::optional<std::uint32_t> guide_samples;
+    /// Not empty: a file with the guide that the integrator learns. If it exists, the render reads it and does not
+    /// train; otherwise the render writes it after the training. The image has the same bits (Law 3). The file of
+    /// another render, a damaged file and an integrator that learns no guide are Errors.
+    std::string guide_file{};
 };
 
 /// The conversion of paths to path strings for light path expressions.
@@ -141,9 +145,6 @@ struct CheckpointSettings {
     /// Wall time in seconds between two saves; `*stop` also saves. Infinity: only finished buckets are saved.
     double seconds = 60;
     bool resume = false;  ///< true: the render continues from `file`, or returns an Error when `file` does not fit
-    /// Names and values, beyond the settings, that identify the render; a resume with other values is refused.
-    /// render() adds the scene when the caller passes its description.
-    display::RecordIdentity identity{};
 };
 
 /// Renders an image that is larger than memory in buckets, which are bands of its rows. Each finished bucket is saved
@@ -165,6 +166,9 @@ struct RenderSettings {
     LabelSettings labels;
     ChannelSettings channels;
     MatteSettings mattes;
+    /// Names and values, beyond the settings, that identify the render in checkpoints, records of shards and guide
+    /// files; files with other values are refused. render() adds the scene when the caller passes its description.
+    display::RecordIdentity identity{};
     std::optional<CheckpointSettings> checkpoint;  ///< unset: nothing is saved before the end
     std::optional<BucketSettings> buckets;         ///< set: `checkpoint` must be set too and names the folder
     /// Is called once, before the render takes memory; an Error ends the render. It may add to `sinks`, which receive

@@ -89,9 +89,14 @@ int merge_records(const ImageMergeOptions& options, const std::vector<std::strin
                       " contributions or values were not finite or too large to sum; they are missing from beauty and "
                       "layers alike");
     const display::FrameBufferLayout& layout = merged->pixels->layout();
+    const ShardFacts& facts = merged->facts;
     print_line(options.output + ": " + std::to_string(layout.width) + "x" + std::to_string(layout.height) + ", " +
-               counted(merged->shards, "shard") + ", " + std::to_string(merged->facts.range.total) +
-               " samples per pixel, " + duration_text(merged->facts.cpu_seconds) + " CPU in total");
+               counted(merged->shards, "shard") + ", " + std::to_string(facts.range.total) + " samples per pixel, " +
+               duration_text(facts.cpu_seconds) + " CPU in total" +
+               (facts.guide_samples > 0
+                    ? ", and a guide from " + counted(facts.guide_samples, "sample") + " of each pixel"
+                    : std::string()) +
+               (facts.guide_cpu_seconds > 0 ? " (" + duration_text(facts.guide_cpu_seconds) + " CPU)" : std::string()));
     return code;
 }
 

@@ -14,9 +14,10 @@ namespace {
 /// Returns the command line of all shards, without the number of the shard.
 std::vector<std::string> shard_arguments(const CLI::App& command, const Job& job,
                                          const std::vector<std::string>& arguments, const std::string& output) {
-    std::vector<std::string> all = standing_alone(command, arguments,
-                                                  {"--commands", "--no-calibration", "--shards", "-o", "--output",
-                                                   "--preview", "--driver", "--tev", "--stats", "--resume"});
+    std::vector<std::string> all =
+        standing_alone(command, arguments,
+                       {"--commands", "--no-calibration", "--shards", "-o", "--output", "--guide-only", "--preview",
+                        "--driver", "--tev", "--stats", "--resume"});
     // Adds the colour config of this environment, because the environment of other machines can differ.
     if (const char* config = std::getenv("OCIO"); config != nullptr && *config != '\0' && job.ocio_config.empty())
         all.insert(all.end(), {"--ocio", std::filesystem::exists(config) ? absolute_path(config) : config});
@@ -47,6 +48,7 @@ int print_render_commands(const CLI::App& command, const RenderOptions& options,
     const std::vector<std::string> base = shard_arguments(command, job, arguments, output);
     const int threads = job.settings.machine.threads;
     const std::string atlas = job.outputs.atlas.file.empty() ? "" : absolute_path(job.outputs.atlas.file);
+    const std::string guide_file = job.settings.paths.guide_file;
     RenderEstimate estimate;
     if (auto code = estimate_render(std::move(job), arguments, !options.commands.no_calibration, estimate))
         return *code;
@@ -63,6 +65,16 @@ int print_render_commands(const CLI::App& command, const RenderOptions& options,
     merge.target = output;
     merge.memory_bytes = estimate.memory_bytes;
     const unsigned cores = threads > 0 ? static_cast<unsigned>(threads) : std::thread::hardware_concurrency();
+    if (!guide_file.empty()) {
+        PlannedCommand guide;
+        guide.name = "guide";
+        guide.arguments = base;
+        guide.arguments.emplace_back("--guide-only");
+        guide.target = absolute_path(guide_file);
+        guide.memory_bytes = estimate.memory_bytes;
+        guide.cores = cores;
+        plan.commands.push_back(std::move(guide));
+    }
     for (unsigned part = 1; part <= shards; ++part) {
         auto range = shard_range(part, shards, estimate.samples_per_pixel);
         if (!range) return report_error(range.error());
@@ -76,6 +88,7 @@ int print_render_commands(const CLI::App& command, const RenderOptions& options,
             shard.cpu_seconds = estimate.cpu_seconds * static_cast<double>(range->end - range->first) /
                                 static_cast<double>(range->total);
         shard.cores = cores;
+        if (!guide_file.empty()) shard.needs = {"guide"};
         merge.needs.push_back(shard.name);
         plan.commands.push_back(std::move(shard));
     }

@@ -48,6 +48,7 @@ class RenderRun {
     int run() {
         at_once_.emplace("raylex: interrupted before anything was rendered; no file was written\n");
         if (Status possible = begin_passes(job_); !possible) return report_error(possible.error());
+        if (job_.guide_only) return run_training();
         if (job_.shard) return run_shard();
         if (job_.settings.samples.only) {
             for (std::optional<int> (RenderRun::*step)() : {&RenderRun::load, &RenderRun::build, &RenderRun::plan})
@@ -81,6 +82,7 @@ class RenderRun {
         // an image that does not fit into memory is not test-rendered either
         calibrate = calibrate && !job_.settings.buckets;
         job_.settings.buckets.reset();
+        job_.settings.paths.guide_file.clear();  // it has the guide of all samples
         constexpr double seconds = 2;
         job_.settings.stop.limit = transport::SampleLimit{.seconds = seconds};
         double pixels = 0;
@@ -119,6 +121,29 @@ class RenderRun {
         return exit_holds;
     }
 
+    /// Writes or reads the guide file, and renders nothing.
+    int run_training() {
+        const std::string& file = job_.settings.paths.guide_file;
+        if (file.empty() || job_.shard)
+            return report_error("--guide-only trains for all shards; expected --guide-file FILE, and no --shard");
+        for (std::optional<int> (RenderRun::*step)() : {&RenderRun::load, &RenderRun::build, &RenderRun::plan})
+            if (const std::optional<int> code = (this->*step)()) return *code;
+        job_.settings.buckets.reset();
+        bool is_prepared = false;
+        job_.settings.before_rendering = [&](const transport::RenderPlan& plan, std::vector<display::SampleSink*>&) {
+            for (const Error& warning : plan.warnings) warn(warning.to_string());
+            is_prepared = true;
+            return Status(error_at({}, "nothing is rendered"));
+        };
+        const auto output = transport::render(loaded_->scene, *built_, job_.settings, {}, &interrupt_flag());
+        if (const Step code = interrupted_early()) return *code;
+        if (!is_prepared) return report_error(output.error());
+        std::error_code failed;
+        if (!fs::exists(file, failed)) return exit_does_not_hold;  // a warning has the reason
+        print_line(file + ": the guide of this render");
+        return exit_holds;
+    }
+
     void warn(const std::string& message) {
         print_warning(message);
         warnings_.push_back(message);
@@ -133,7 +158,7 @@ class RenderRun {
         if (Status fits = check_exr_requests(job_.outputs); !fits) return report_error(fits.error());
         if (job_.resume && !job_.shard)
             for (const std::string& path : {job_.output, checkpoint_file(job_)}) display::remove_abandoned(path);
-        std::vector<std::string> taken{job_.scene_file, job_.job_file};
+        std::vector<std::string> taken{job_.scene_file, job_.job_file, job_.settings.paths.guide_file};
         for (const std::string& path : requested_files(job_)) {
             if (is_standard_output(path))
                 return report_error("an image cannot be written to standard output, '-'; expected a file name");
@@ -157,6 +182,7 @@ class RenderRun {
         loading.finish();
         if (!loaded) return report_error(loaded.error());
         loaded_ = std::move(*loaded);
+        job_.settings.identity = checkpoint_identity(job_, loaded_->color);
         ask_for_film_layers(loaded_->scene.film, job_);
         if (const auto ignored = ask_for_film_clamp(loaded_->scene, job_)) warn(*ignored);
         for (const std::string& warning : loaded_->warnings) warn(warning);
@@ -275,7 +301,6 @@ class RenderRun {
         settings.seconds =
             job_.checkpoint_seconds > 0 ? job_.checkpoint_seconds : std::numeric_limits<double>::infinity();
         settings.resume = job_.resume;
-        settings.identity = checkpoint_identity(job_, loaded_->color);
         job_.settings.checkpoint = std::move(settings);
     }
 

@@ -59,7 +59,8 @@ void print_written_results(const RenderSummary& of) {
 void print_guide(const transport::GuideSummary& guide) {
     if (guide.samples == 0) return;
     print_line("guide: " + std::to_string(guide.samples) + " samples of each pixel for training (" +
-               duration_text(guide.seconds) + "), forecast gain " + number_text(guide.gain) +
+               (guide.read ? "read from a file" : duration_text(guide.seconds)) + "), forecast gain " +
+               number_text(guide.gain) +
                (guide.used ? ", used in " + number_text(100 * guide.guided) + " % of " + std::to_string(guide.regions) +
                                  " regions, " + size_text(static_cast<double>(guide.bytes))
                            : std::string(", not used")));

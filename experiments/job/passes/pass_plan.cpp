@@ -366,6 +366,7 @@ Status begin_passes(Job& job) {
         {!settings.channels.beauty, "no beauty (--no-beauty)"},
         {job.shard.has_value() || job.shard_commands > 0, "shards"},
         {job.checkpoint_seconds > 0 || job.resume, "checkpoints (--checkpoint, --resume)"},
+        {!settings.paths.guide_file.empty(), "a guide file (--guide-file)"},
         {settings.buckets.has_value(), "buckets (--memory, --bucket-rows)"},
         {settings.stop.adaptive && !settings.stop.adaptive->channels.empty(), "adaptive sampling by channels"},
         {settings.samples.only.has_value(), "a replayed sample (--replay)"},

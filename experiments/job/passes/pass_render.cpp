@@ -193,6 +193,7 @@ class PassRenderer {
         if (!settings.samples.per_pixel) return error_at({}, "halves of a pass need a number of samples");
         const std::uint64_t all = *settings.samples.per_pixel, split = all / block / 2 * block;
         settings.samples.per_pixel = split;
+        settings.samples.whole = all;  // both halves train the same guide
         auto first = transport::render(scene_, built_, settings, progress, stop_);
         if (!first || !first->samples.complete) return first;
         settings.samples.first = split;

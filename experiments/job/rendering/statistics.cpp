@@ -138,6 +138,7 @@ std::string statistics_json(const RunRecord& record) {
                     {"pilot", statistics.pilot_rays}};
     json["branches"] = statistics.branches;
     if (statistics.guide.samples > 0) json["guide"] = guide_json(statistics.guide);
+    if (statistics.guide.read) json["guide"]["read"] = true;
     json["effects"] = effects_json(record.effects, record.job->effects);
     json["aovs"] = aovs_json(record.job->settings.channels.list);
     const auto pruned = [&](transport::Pruned cause) { return statistics.pruned[static_cast<std::size_t>(cause)]; };

@@ -198,6 +198,13 @@ std::vector<RenderSetting> method_settings() {
         {"--max-depth", "render.max_depth", "max_depth", "N", often,
          "maximum number of scattering events on a path; default: the integrator's",
          whole(0, most_int, [](Job& job) { return &job.settings.paths.max_depth; })},
+        {"--guide-file", "render.guide_file", "guide_file", "FILE", rare,
+         "file of the guide that path and bdpt learn (their parameter 'guide'): if it exists, the render reads it and "
+         "does not train; otherwise the render writes it after the training. The image has the same bits. The shards "
+         "of a render can share one file",
+         text([](Job& job) { return &job.settings.paths.guide_file; }, true)},
+        {"--guide-only", "", "", "", rare, "ends when --guide-file is written or read, without rendering",
+         on_or_off([](Job& job) { return &job.guide_only; })},
         {"--pass", "pass", "passes", "METHOD:EXPR", rare,
          "renders one class of paths by a method of its own, such as lighttracer:C<RD>S+[<L.>O]:spp=256; EXPR is an "
          "expression, a layer, a light group, or 'rest' for all other paths. The classes must be a partition of the "

@@ -115,6 +115,7 @@ class JobRender {
         take(experiments::begin_passes(job_));
         loaded_ = scene_ ? take(experiments::prepare_job_scene(job_, labelled(*scene_)))
                          : take(experiments::load_job_scene(job_));
+        job_.settings.identity = experiments::checkpoint_identity(job_, loaded_->color);
         warnings_ = loaded_->warnings;
         experiments::ask_for_film_layers(loaded_->scene.film, job_);
         if (const auto ignored = experiments::ask_for_film_clamp(loaded_->scene, job_)) warnings_.push_back(*ignored);

@@ -137,6 +137,30 @@ TEST_CASE("passes --propose gives caustics to the light tracer", "[passes][gate]
     CHECK(contains(proposed.out, "efficiency relative to bdpt alone"));
 }
 
+TEST_CASE("statistics, for which a guided pass has two halves, change no bit of the beauty", "[passes][guide][law2]") {
+    const SceneFolder folder;
+    folder.write("walls.pbrt", R"(Film "rgb" "integer xresolution" 16 "integer yresolution" 16
+LookAt 0 1 3.9  0 1 0  0 1 0
+Camera "perspective" "float fov" 39
+WorldBegin
+AttributeBegin AreaLightSource "diffuse" "rgb L" [9 9 9]
+Shape "sphere" "float radius" 0.2 AttributeEnd
+Material "diffuse" "rgb reflectance" [0.6 0.6 0.6]
+Shape "bilinearmesh" "point3 P" [-1 0 -1 1 0 -1 -1 2 -1 1 2 -1]
+Shape "bilinearmesh" "point3 P" [-1 0 -1 -1 0 4 -1 2 -1 -1 2 4]
+Shape "bilinearmesh" "point3 P" [1 0 -1 1 0 4 1 2 -1 1 2 4]
+)");
+    // The length of the training depends on the samples of the whole pass, not of a half.
+    const std::string render =
+        "render walls.pbrt --spp 64 --pass 'path:C<RD>[LB]:aovs=true' --pass bdpt:rest:guide=on -o ";
+    REQUIRE(run_raylex(folder, render + "plain.exr").code == 0);
+    REQUIRE(run_raylex(folder, render + "halves.exr --statistics beauty=mse").code == 0);
+    auto plain = raylex::display::read_exr(folder.path("plain.exr"));
+    auto halves = raylex::display::read_exr(folder.path("halves.exr"));
+    REQUIRE((plain && halves));
+    CHECK(plane(*plain, "beauty", "G") == plane(*halves, "beauty", "G"));
+}
+
 TEST_CASE("a study takes passes as a method", "[passes][gate]") {
     const SceneFolder folder;
     const std::string method =

@@ -216,8 +216,7 @@ TEST_CASE("a resumed render by expected gain has the bits of a whole one", "[gui
     const auto whole = render_of(scene, settings);
     CHECK(whole.statistics.branches > 0);
     const ScratchFile file;
-    settings.checkpoint =
-        transport::CheckpointSettings{.file = file.path(), .seconds = 0.01, .identity = {{"test", "1"}}};
+    settings.checkpoint = transport::CheckpointSettings{.file = file.path(), .seconds = 0.01};
     for (int sessions = 1;; ++sessions) {
         std::atomic<bool> stop{false};
         interruption().begin(12'000, &stop);

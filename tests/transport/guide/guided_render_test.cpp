@@ -158,8 +158,7 @@ TEST_CASE("a guided render in many sessions has the bits of one that was never i
     const auto whole = render_of(scene, settings);
     CHECK(whole.statistics.guide.used);
     const ScratchFile file;
-    settings.checkpoint =
-        transport::CheckpointSettings{.file = file.path(), .seconds = 0.01, .identity = {{"test", "1"}}};
+    settings.checkpoint = transport::CheckpointSettings{.file = file.path(), .seconds = 0.01};
     for (int sessions = 1;; ++sessions) {
         std::atomic<bool> stop{false};
         settings.machine.threads = 1 + sessions % 3;

@@ -46,8 +46,8 @@ transport::RenderSettings room_settings() {
 /// Renders in sessions of at least `samples` more camera samples each, with 1, 2, 3, 1 ... threads.
 transport::RenderOutput in_sessions(const transport::SceneDescription& scene, transport::RenderSettings settings,
                                     const ScratchFile& file, std::uint64_t samples, int& sessions) {
-    settings.checkpoint =
-        transport::CheckpointSettings{.file = file.path(), .seconds = 0.01, .identity = {{"test", "1"}}};
+    settings.identity = {{"test", "1"}};
+    settings.checkpoint = transport::CheckpointSettings{.file = file.path(), .seconds = 0.01};
     for (sessions = 1;; ++sessions) {
         std::atomic<bool> stop{false};
         settings.machine.threads = 1 + sessions % 3;
@@ -66,8 +66,8 @@ transport::RenderOutput in_sessions(const transport::SceneDescription& scene, tr
 /// The Error of resuming with these settings.
 raylex::Error refusal(const transport::SceneDescription& scene, transport::RenderSettings settings,
                       const ScratchFile& file) {
-    settings.checkpoint =
-        transport::CheckpointSettings{.file = file.path(), .resume = true, .identity = {{"test", "1"}}};
+    settings.identity = {{"test", "1"}};
+    settings.checkpoint = transport::CheckpointSettings{.file = file.path(), .resume = true};
     auto output = transport::render(scene, settings);
     REQUIRE_FALSE(output.ok());
     return output.error();

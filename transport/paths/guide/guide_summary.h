@@ -13,6 +13,7 @@ struct GuideSummary {
     double guided = 0;          ///< share of the regions in which the guide draws directions
     double gain = 0;            ///< forecast: variance x cost without the guide over the same with it
     bool used = false;          ///< the render uses the guide
+    bool read = false;          ///< from a file: this render has not trained, and `paths` and both times are 0
     bool cut = false;           ///< a time limit or a stop ended the training: closures draw all directions
     double seconds = 0, cpu_seconds = 0;  ///< of the training
 

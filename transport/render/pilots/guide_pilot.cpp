@@ -70,7 +70,6 @@ class GuidePilot {
 
   private:
     [[nodiscard]] std::unique_ptr<Integrator> make_integrator(const DirectionSampler* directions);
-    [[nodiscard]] std::uint32_t rounds() const;
     [[nodiscard]] std::uint32_t last_in_time(std::uint32_t round, std::uint32_t last, double elapsed) const;
     /// False: the render has to end.
     bool follow(std::uint32_t round);
@@ -132,18 +131,6 @@ std::unique_ptr<Integrator> GuidePilot::make_integrator(const DirectionSampler* 
     context.directions = directions;
     if (const Status status = integrator->prepare(context); !status) throw std::runtime_error(status.error().message);
     return integrator;
-}
-
-/// Rounds after round 0; all rounds together take 2^rounds samples of each pixel. Without a requested number, the
-/// training takes at most an eighth of the samples of the whole render.
-std::uint32_t GuidePilot::rounds() const {
-    const auto log2_below = [](std::uint64_t n) { return static_cast<std::uint32_t>(std::bit_width(n) - 1); };
-    if (training_.request.samples > 0) return std::max(1u, log2_below(training_.request.samples));
-    const std::uint64_t pixels =
-        static_cast<std::uint64_t>(context_.view.width) * static_cast<std::uint64_t>(context_.view.height);
-    const std::uint64_t most = training_.whole > 0 ? std::min(training_.whole / 8, most_samples) : most_samples;
-    const std::uint64_t samples = training_.seconds > 0 ? most : (paths_of_training + pixels / 2) / pixels;
-    return log2_below(std::clamp(samples, fewest_samples, std::max(fewest_samples, most)));
 }
 
 /// The weight of a tile is 1 over the square of its mean, but dark tiles do not count more than those of half the
@@ -373,7 +360,8 @@ std::uint32_t GuidePilot::last_in_time(std::uint32_t round, std::uint32_t last, 
 TrainedGuide GuidePilot::run() {
     TrainedGuide trained;
     const Stopwatch watch;
-    std::uint32_t last = rounds();
+    // Rounds after round 0; all rounds together take 2^last samples of each pixel.
+    auto last = static_cast<std::uint32_t>(std::bit_width(training_samples(context_, training_)) - 1);
     const bool automatic = training_.request.mode == GuideMode::automatic;
     bool whole = follow(0), pays = true;
     for (std::uint32_t round = 1; whole && pays && round <= last; ++round) {
@@ -397,14 +385,24 @@ TrainedGuide GuidePilot::run() {
 
 }  // namespace
 
-TrainedGuide train_guide(const IntegratorContext& context, const GuideTraining& training) {
+/// Without a requested number, the training takes at most an eighth of the samples of the whole render.
+std::uint32_t training_samples(const IntegratorContext& context, const GuideTraining& training) {
     if (training.request.mode == GuideMode::off || !training.request.make_trial || training.channels.empty() ||
         !context.takes_scattered_light())
-        return {};
-    if (training.request.mode == GuideMode::automatic && training.request.samples == 0 && training.whole > 0 &&
-        training.whole < shortest_automatic)
-        return {};
-    return GuidePilot(context, training).run();
+        return 0;
+    if (training.request.samples > 0) return std::max(2u, std::bit_floor(training.request.samples));
+    if (training.request.mode == GuideMode::automatic && training.whole > 0 && training.whole < shortest_automatic)
+        return 0;
+    const std::uint64_t pixels =
+        static_cast<std::uint64_t>(context.view.width) * static_cast<std::uint64_t>(context.view.height);
+    const std::uint64_t most = training.whole > 0 ? std::min(training.whole / 8, most_samples) : most_samples;
+    const std::uint64_t samples = training.seconds > 0 ? most : (paths_of_training + pixels / 2) / pixels;
+    return static_cast<std::uint32_t>(
+        std::bit_floor(std::clamp(samples, fewest_samples, std::max(fewest_samples, most))));
+}
+
+TrainedGuide train_guide(const IntegratorContext& context, const GuideTraining& training) {
+    return training_samples(context, training) > 0 ? GuidePilot(context, training).run() : TrainedGuide();
 }
 
 }  // namespace raylex::transport

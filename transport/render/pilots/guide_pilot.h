@@ -6,9 +6,9 @@
 #include <functional>
 #include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "transport/integrators/integrator.h"
 #include "transport/paths/guide/guide.h"
@@ -18,7 +18,7 @@ namespace raylex::transport {
 
 struct GuideTraining {
     GuideRequest request;
-    std::span<const display::ChannelId> channels;  ///< whose light the guide looks for
+    std::vector<display::ChannelId> channels;  ///< whose light the guide looks for
     int threads = 1;
     std::uint64_t whole = 0;  ///< samples of each pixel of the whole render; 0: unknown
     /// Wall time that the training should take at most; 0: the samples alone count. Then no `whole` is given.
@@ -35,6 +35,10 @@ struct TrainedGuide {
     /// Returns the guide of a record(), or nothing if the bytes are none.
     static std::optional<TrainedGuide> from_record(std::string_view bytes);
 };
+
+/// Most samples of each pixel that train_guide() takes, a power of 2; 0: it does not train. Beside the paths' own
+/// settings, the guide depends on this number alone.
+std::uint32_t training_samples(const IntegratorContext& context, const GuideTraining& training);
 
 /// Round 0 measures the means of small tiles and the cost of paths without a guide. Round r takes 2^(r - 1) samples of
 /// each pixel and refines the guide. No training sample is part of the image, so the image is unbiased whatever was

@@ -119,7 +119,7 @@ constexpr const char* start_again = "to start again, remove this file and leave 
 RecordIdentity render_identity(const ResolvedJob& job) {
     const RenderSettings& settings = job.settings;
     const CameraSampling& sampling = job.sampling;
-    RecordIdentity identity = job.checkpoint ? job.checkpoint->identity : RecordIdentity();
+    RecordIdentity identity = settings.identity;
     const auto add = [&](std::string name, std::string value) {
         identity.emplace_back(std::move(name), std::move(value));
     };

@@ -56,39 +56,50 @@ IntegratorContext PreparedJob::context() const {
     return context;
 }
 
-/// Learns directions, where the integrator asks for it. With a beauty it alone counts: what a guide learns, and so the
-/// image, depends on no other channel (Law 2). A resumed render has the guide of its checkpoint.
-Status PreparedJob::train(const Stopwatch& since_call, const std::atomic<bool>* stop) {
+/// The training that the integrator requests. With a beauty it alone counts: what a guide learns, and so the image,
+/// depends on no other channel (Law 2).
+GuideTraining PreparedJob::training() const {
     GuideTraining training;
     training.request = job.integrator().guide_request();
+    if (const auto samples = job.settings.paths.guide_samples; samples && training.request.mode != GuideMode::off) {
+        training.request.mode = *samples > 0 ? GuideMode::on : GuideMode::off;
+        training.request.samples = *samples;
+    }
+    training.channels =
+        job.channels.beauty >= 0 ? std::vector{job.channels.beauty} : context().services.light_channels();
+    training.threads = job.threads;
+    training.whole = job.budget.whole;
+    if (training.request.samples == 0 && job.budget.limit)
+        training.seconds = guide_time_share * job.budget.limit->seconds;
+    return training;
+}
+
+/// Learns directions, where the integrator asks for it. A resumed render has the guide of its checkpoint.
+Status PreparedJob::train(GuideTraining training, GuideFile file, const Stopwatch& since_call,
+                          const std::atomic<bool>* stop) {
     if (training.request.mode == GuideMode::off) return success();
     if (auto saved = saved_guide(job); !saved) return saved.error();
     else if (*saved) {
         guide = **std::move(saved);
         return success();
     }
-    if (const auto samples = job.settings.paths.guide_samples) {
-        training.request.mode = *samples > 0 ? GuideMode::on : GuideMode::off;
-        training.request.samples = *samples;
+    if (file.guide) {
+        guide = *std::move(file.guide);
+        return success();
     }
-    const std::vector<display::ChannelId> channels =
-        job.channels.beauty >= 0 ? std::vector{job.channels.beauty} : context().services.light_channels();
-    training.channels = channels;
-    training.threads = job.threads;
-    training.whole = job.budget.whole;
     const double limit = job.budget.limit ? job.budget.limit->seconds : 0;
-    if (training.request.samples == 0) training.seconds = guide_time_share * limit;
     // Half of the time is for the image, whatever the training takes.
     training.stopped = [&since_call, stop, limit] {
         return (stop != nullptr && stop->load(std::memory_order_relaxed)) ||
                (limit > 0 && since_call.wall() > limit / 2);
     };
     guide = train_guide(context(), training);
-    if (guide.summary.cut && limit > 0 && since_call.wall() > limit / 2)
+    if (!guide.summary.cut) file.write(guide, job.warnings);
+    else if (limit > 0 && since_call.wall() > limit / 2)
         job.warnings.push_back(
             error_at({}, "the guide took half of the time limit for its training, and is not used",
                      "expected a smaller 'guidesamples'; the integrator's guide = \"off\" renders the same bits"));
-    else if (guide.summary.cut) guide = {};  // the render ends too, and its next session trains again
+    else guide = {};  // the render ends too, and its next session trains again
     return success();
 }
 
@@ -110,12 +121,15 @@ Result<PreparedJob> PreparedJob::prepare(ResolvedJob resolved, const Stopwatch& 
         std::make_unique<const EventTable>(*job.channels.lpe, job.scene.view(), job.settings.labels.lobe_slots,
                                            job.settings.paths.prune && !*counts, regularizes);
     prepared.aovs = std::make_unique<const geoaovs::GeometricAovs>(job.channels.list);
+    GuideTraining training = prepared.training();
+    auto file = GuideFile::open(job, prepared.context(), training);  // before a ray is traced
+    if (!file) return file.error();
     PlanRequest request = job.integrator().plan_request();
     // Pilots choose splits and roulette by the light of all channels, which the beauty of a class must not depend on
     // (Law 2). The choice of techniques depends on live light, and so on the class alone.
     if (!job.settings.channels.takes.empty()) request.splits = request.roulette = false;
     prepared.paths = std::make_unique<const PlannedPaths>(make_path_plan(prepared.context(), request));
-    if (Status s = prepared.train(since_call, stop); !s) return s.error();
+    if (Status s = prepared.train(std::move(training), *std::move(file), since_call, stop); !s) return s.error();
     if (Status s = job.integrator().prepare(prepared.context()); !s) return s.error();
     for (Omission& omission : job.integrator().omissions())
         if (!omission.is_declared || job.settings.channels.takes.empty())

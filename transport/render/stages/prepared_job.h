@@ -9,6 +9,7 @@
 #include "transport/render/pilots/guide_pilot.h"
 #include "transport/render/pilots/make_path_plan.h"
 #include "transport/render/resolve/resolved_job.h"
+#include "transport/render/stages/guide_file.h"
 
 namespace raylex::transport {
 
@@ -30,7 +31,8 @@ class PreparedJob {
     double seconds = 0, cpu_seconds = 0;  ///< of the preparation
 
   private:
-    Status train(const Stopwatch& since_call, const std::atomic<bool>* stop);
+    [[nodiscard]] GuideTraining training() const;
+    Status train(GuideTraining training, GuideFile file, const Stopwatch& since_call, const std::atomic<bool>* stop);
     explicit PreparedJob(ResolvedJob resolved) : job(std::move(resolved)) {}
 };
 

@@ -205,8 +205,8 @@ Result<Rendered> SceneStore::render(const RenderOrder& order,
     job.settings.paths.guide_samples = order.guide_samples;
     if (order.checkpoint) {
         job.settings.checkpoint = order.checkpoint;
-        job.settings.checkpoint->identity = checkpoint_identity(job, (*made)->loaded->color);
-        job.settings.checkpoint->identity.emplace_back("scene", (*made)->hash);
+        job.settings.identity = checkpoint_identity(job, (*made)->loaded->color);
+        job.settings.identity.emplace_back("scene", (*made)->hash);
     }
     reset_peak_memory();
     const auto baseline_cpu = [&] { return order.beside == nullptr ? 0.0 : order.beside->cpu_seconds(); };

@@ -38,8 +38,8 @@ struct RenderOrder {
     std::optional<std::uint64_t> whole{};          ///< transport::SampleSettings::whole
     std::optional<std::uint32_t> guide_samples{};  ///< transport::PathSettings::guide_samples
     std::optional<transport::SampleLimit> limit{};
-    std::optional<transport::CheckpointSettings> checkpoint{};  ///< without an identity, which is filled in
-    const RunCloser* beside = nullptr;                          ///< runs at the same time; its CPU time is subtracted
+    std::optional<transport::CheckpointSettings> checkpoint{};
+    const RunCloser* beside = nullptr;  ///< runs at the same time; its CPU time is subtracted
 };
 
 struct Rendered {
