@@ -96,6 +96,18 @@ class SameAsTheProgram(Case):
         for name in theirs.names:
             self.assertSameBits(again[name], theirs[name])
 
+    def test_the_program_reads_the_guide_that_python_wrote(self):
+        guide, job, file = self.folder / "its.guide", self.folder / "job.toml", self.folder / "program.exr"
+        method = {"type": "path", "guide": "on", "guidesamples": 4}
+        ours = raylex.render(CORNELL, spp=16, resolution=(24, 20), integrator=method, guide_file=str(guide))
+        job.write_text(f"[scene]\nfile = '{CORNELL}'\n[render]\nspp = 16\nresolution = '24x20'\n"
+                       "guide_file = 'its.guide'\n[integrator]\ntype = 'path'\nguide = 'on'\nguidesamples = 4\n")
+        done = run_program("render", job, "-o", file)
+        self.assertIn("for training (read from a file)", done.stdout, done.stderr)
+        self.assertSameBits(ours["beauty"], raylex.read(file)["beauty"])
+        self.assertRaylexError("its.guide: cannot use this guide file.*\n  seed: 0 there, 5 here", raylex.render,
+                               CORNELL, spp=16, seed=5, resolution=(24, 20), integrator=method, guide_file=str(guide))
+
     def test_a_closed_form(self):
         image = raylex.render(white_furnace(0.5), spp=64, max_depth=3, lpe={"two": "CDDL"}, integrator="path")
         # 1 + 1/2 + 1/4 + 1/8. 4 standard errors of the mean of 16 x 16 x 64 samples: the deviation of a sample is below

@@ -4,6 +4,7 @@
 
 #include "display/checkpoint/record_file.h"
 #include "tests/transport/interrupted_render.h"
+#include "transport/replicates.h"
 
 using namespace render_test;
 
