@@ -48,12 +48,13 @@ class RenderRun {
     int run() {
         at_once_.emplace("raylex: interrupted before anything was rendered; no file was written\n");
         if (Status possible = begin_passes(job_); !possible) return report_error(possible.error());
-        if (job_.guide_only) return run_training();
+        if (job_.guide_only && (job_.settings.paths.guide_file.empty() || job_.shard || job_.resume))
+            return report_error("--guide-only needs --guide-file FILE, and excludes --shard and --resume");
         if (job_.shard) return run_shard();
-        if (job_.settings.samples.only) {
+        if (job_.settings.samples.only || job_.guide_only) {
             for (std::optional<int> (RenderRun::*step)() : {&RenderRun::load, &RenderRun::build, &RenderRun::plan})
                 if (const std::optional<int> code = (this->*step)()) return *code;
-            return replay();
+            return job_.guide_only ? render().value_or(exit_holds) : replay();
         }
         for (std::optional<int> (RenderRun::*step)() :
              {&RenderRun::lock_checkpoint, &RenderRun::check_outputs, &RenderRun::load, &RenderRun::build,
@@ -118,29 +119,6 @@ class RenderRun {
         const transport::RenderStatistics& statistics = output_->statistics;
         print_line(shard_->record() + ": " + shard_->text() + ", " + duration_text(statistics.render_seconds) + " (" +
                    duration_text(statistics.render_cpu_seconds) + " CPU)");
-        return exit_holds;
-    }
-
-    /// Writes or reads the guide file, and renders nothing.
-    int run_training() {
-        const std::string& file = job_.settings.paths.guide_file;
-        if (file.empty() || job_.shard)
-            return report_error("--guide-only trains for all shards; expected --guide-file FILE, and no --shard");
-        for (std::optional<int> (RenderRun::*step)() : {&RenderRun::load, &RenderRun::build, &RenderRun::plan})
-            if (const std::optional<int> code = (this->*step)()) return *code;
-        job_.settings.buckets.reset();
-        bool is_prepared = false;
-        job_.settings.before_rendering = [&](const transport::RenderPlan& plan, std::vector<display::SampleSink*>&) {
-            for (const Error& warning : plan.warnings) warn(warning.to_string());
-            is_prepared = true;
-            return Status(error_at({}, "nothing is rendered"));
-        };
-        const auto output = transport::render(loaded_->scene, *built_, job_.settings, {}, &interrupt_flag());
-        if (const Step code = interrupted_early()) return *code;
-        if (!is_prepared) return report_error(output.error());
-        std::error_code failed;
-        if (!fs::exists(file, failed)) return exit_does_not_hold;  // a warning has the reason
-        print_line(file + ": the guide of this render");
         return exit_holds;
     }
 
@@ -322,6 +300,7 @@ class RenderRun {
             at_once_.reset();
             for (const Error& warning : plan.warnings) warn(warning.to_string());
             warned = plan.warnings.size();
+            if (job_.guide_only) return Status(error_at({}, "the guide is ready"));
             progress.begin(plan);
             Status begun = outputs_.begin(plan, sinks, loaded_->primaries, partitions_);
             if (begun) print_memory(outputs_, job_.outputs.memory_limit);
@@ -336,6 +315,11 @@ class RenderRun {
             &interrupt_flag());
         progress.finish();
         for (const std::string& warning : outputs_.take_warnings()) warn(warning);
+        if (job_.guide_only && !at_once_) {
+            if (!fs::exists(job_.settings.paths.guide_file)) return exit_does_not_hold;  // a warning has the reason
+            print_line(job_.settings.paths.guide_file + ": the guide of this render");
+            return exit_holds;
+        }
         if (shard_is_done_) {
             print_line(shard_->record() + ": " + shard_->text() + " is done already");
             return exit_holds;
