@@ -9,6 +9,7 @@
 
 #include "display/output/reader/exr_reader.h"
 #include "display/output/splits/split_check.h"
+#include "experiments/report/guide/guide_view.h"
 #include "experiments/report/html.h"
 #include "experiments/report/page_layers.h"
 #include "experiments/report/statistics_table.h"
@@ -82,8 +83,11 @@ class Page {
             if (!words) return words.error();
             body_ += *words;
         }
+        const std::filesystem::path statistics = std::filesystem::path(path).replace_extension(".json");
+        const Result<std::string> record = read_record(statistics.string(), "a statistics file");
+        if (record) body_ += guide_view_html(*record, image.width, image.height);
         add_results(*verdicts);
-        add_statistics(path);
+        if (record) add_statistics(*record);
         add_header(image);
         body_ += "</section>\n";
         for (const SplitResult& verdict : *verdicts) {
@@ -125,7 +129,8 @@ class Page {
                std::string(precision_note) + "</p>\n" + layers_.view_scripts() + "<script>" +
                std::string(pixels_script()) + "</script>\n<script>" + std::string(panes_script()) + "</script>\n" +
                (atlases_ > 0 ? words_scripts() : std::string()) + "<script>" + std::string(mix_script()) +
-               "</script>\n<script>" + std::string(split_script()) + "</script>\n</body>\n</html>\n";
+               "</script>\n<script>" + std::string(guide_script()) + "</script>\n<script>" +
+               std::string(split_script()) + "</script>\n</body>\n</html>\n";
     }
 
   private:
@@ -178,10 +183,8 @@ class Page {
         body_ += "</table></div></details>\n";
     }
 
-    void add_statistics(const std::string& path) {
-        const std::filesystem::path file = std::filesystem::path(path).replace_extension(".json");
-        const Result<std::string> text = read_record(file.string(), "a statistics file");
-        const std::string table = text ? statistics_table(*text) : std::string();
+    void add_statistics(const std::string& record) {
+        const std::string table = statistics_table(record);
         if (table.empty()) return;
         body_ += "<details><summary>Cost</summary>\n" + table + "</details>\n";
     }

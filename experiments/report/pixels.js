@@ -14,12 +14,13 @@ const raylexPixels = (() => {
     if (!made.has(key)) made.set(key, make());
     return made.get(key);
   };
-  const unpacked = async id => {
-    const raw = atob(document.getElementById(id).textContent), packed = new Uint8Array(raw.length);
+  const inflated = async text => {
+    const raw = atob(text), packed = new Uint8Array(raw.length);
     for (let i = 0; i < raw.length; ++i) packed[i] = raw.charCodeAt(i);
     const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('deflate'));
     return new Uint8Array(await new Response(stream).arrayBuffer());
   };
+  const unpacked = id => inflated(document.getElementById(id).textContent);
 
   // The values of an image, plane after plane: `at(i)` is value i.
   const halves = (id, scale = 1) => once(id, async () => {
@@ -27,10 +28,11 @@ const raylexPixels = (() => {
     for (let i = 0, high = 0; i < count; ++i) words[i] = (high = high + bytes[i] & 255) << 8 | bytes[count + i];
     return { count, at: i => halfValue[words[i]] * scale };
   });
-  const integers = id => once(id, async () => {
-    const b = await unpacked(id), count = b.length / 4;
+  const integersOf = async text => {
+    const b = await inflated(text), count = b.length / 4;
     return { count, at: i => ((b[i] << 24 | b[count + i] << 16 | b[2 * count + i] << 8 | b[3 * count + i]) >>> 0) };
-  });
+  };
+  const integers = id => once(id, () => integersOf(document.getElementById(id).textContent));
 
   // Means over level x level pixels of three planes. A value that is not finite makes the mean not finite, and so stays
   // visible. The latest results are kept, because a change of exposure needs them again.
@@ -112,5 +114,5 @@ const raylexPixels = (() => {
   };
 
   const digits = v => Number.isNaN(v) ? 'NaN' : Number.isFinite(v) ? String(+v.toPrecision(3)) : v > 0 ? 'inf' : '-inf';
-  return { unpacked, halves, integers, reduced, srgb, view, painted, light, digits, broken };
+  return { inflated, unpacked, halves, integers, integersOf, reduced, srgb, view, painted, light, digits, broken };
 })();

@@ -40,7 +40,7 @@
     const paneOf = index => {
       const layer = layers[index];
       return { label: state.all ? layer.name : '', key: layer.light ? `${index} ${exposure.value} ${views.value}${layer.version ? ' ' + layer.version : ''}` : `${index}`,
-        paint: level => layer.light ? paintLight(layer, level) : paintFixed(index),
+        paint: level => layer.paint ? layer.paint() : layer.light ? paintLight(layer, level) : paintFixed(index),
         click: state.all ? () => choose(index) : null };
     };
     const panes = raylexPanes(stage, { width, height, cursor: (x, y) => { Object.assign(state, { x, y }); read(); } });
@@ -105,12 +105,13 @@
       rows[next].scrollIntoView({ block: 'nearest' });
     };
     rows.forEach((row, i) => row.addEventListener('click', () => choose(i)));
-    // Adds a layer that is not in the file: { name, expression, planes, light, share, data, planesOf, wholeAt }.
+    // Adds a layer that is not in the file: { name, expression, planes, light, share, data, planesOf, wholeAt }, and
+    // paint() if it is no light.
     const addLayer = (layer, row) => {
       const index = layers.push(layer) - 1;
       rows.push(row);
       row.addEventListener('click', () => choose(index));
-      paintLight(layer, Math.max(1, Math.ceil(width / 96))).then(small => part(row, '.thumb').append(small));
+      (layer.paint ? layer.paint() : paintLight(layer, Math.max(1, Math.ceil(width / 96)))).then(small => part(row, '.thumb').append(small));
       choose(index);
     };
     section.querySelectorAll('[data-show]').forEach(each =>
@@ -125,6 +126,7 @@
       a: () => { state.all = !state.all; paint(); }, e: () => lift(0.5), E: () => lift(-0.5),
       '+': () => panes.zoom(2), '-': () => panes.zoom(0.5) };
     const words = part(section, 'script.words') ? raylexWords(section, { width, height, block, addLayer }) : null;
+    if (part(section, 'script.guide')) raylexGuide(section, { addLayer, width, block, pointer: () => state });
     if (image.mix) raylexMix(section, { mix: image.mix, layers, words, width, height, loaded, addLayer, repaint: () => paint() });
     paint();
     return { section, key: name => keys[name] };

@@ -77,11 +77,15 @@ struct RenderProgress {
     std::uint64_t samples_least = 0;   ///< display::Forecast::least, of samples_total
 };
 
+struct GuideView;
+
 struct RenderStatistics {
     double build_seconds = 0, build_cpu_seconds = 0;      ///< scene tables and acceleration structure
     double prepare_seconds = 0, prepare_cpu_seconds = 0;  ///< the integrator's tables, pilots and start-up
     std::uint64_t pilot_rays = 0;                         ///< traced to plan paths; not part of the image
     GuideSummary guide;                                   ///< what was learned about directions
+    /// Set if the guide was used and PathSettings::guide_view is true.
+    std::shared_ptr<const GuideView> guide_view{};
     double render_seconds = 0, render_cpu_seconds = 0;
     std::uint64_t camera_samples = 0, camera_rays = 0, scattering_rays = 0, shadow_rays = 0;
     std::uint64_t discarded_samples = 0;               ///< in iterations that the integrator discarded, in this session

@@ -31,6 +31,7 @@
 #include "experiments/program/interrupt.h"
 #include "experiments/program/tint.h"
 #include "experiments/program/work_lock.h"
+#include "experiments/report/guide/guide_view.h"
 #include "experiments/shards/shard_render.h"
 #include "lpe/algebra/wording/event_words.h"
 #include "transport/render/built_scene.h"
@@ -161,6 +162,7 @@ class RenderRun {
         if (!loaded) return report_error(loaded.error());
         loaded_ = std::move(*loaded);
         job_.settings.identity = checkpoint_identity(job_, loaded_->color);
+        job_.settings.paths.guide_view = !job_.statistics.empty();
         ask_for_film_layers(loaded_->scene.film, job_);
         if (const auto ignored = ask_for_film_clamp(loaded_->scene, job_)) warn(*ignored);
         for (const std::string& warning : loaded_->warnings) warn(warning);
@@ -452,6 +454,8 @@ class RenderRun {
         if (job_.statistics.empty()) return go_on;
         RunRecord record{&job_,   &*output_,   arguments_,        phases_,         warnings_,
                          splits_, attributes_, outputs_.memory(), outputs_.deep(), loaded_->effects};
+        if (const auto& view = output_->statistics.guide_view; view && !is_standard_output(job_.statistics))
+            record.guide_view = guide_view_json(*view);
         Status written = write_text(job_.statistics, statistics_json(record));
         if (!written) return report_error(written.error());
         return go_on;

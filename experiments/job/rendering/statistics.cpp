@@ -1,12 +1,15 @@
 #include "experiments/job/rendering/statistics.h"
 
 #include <sys/resource.h>
+#include <array>
 #include <chrono>
 #include <ctime>
 
 #include "experiments/job/rendering/effect_report.h"
 #include "experiments/job/rendering/provenance.h"
 #include "experiments/job/text/json.h"
+#include "experiments/program/console.h"
+#include "transport/paths/guide/guide_view.h"
 
 namespace raylex::experiments {
 namespace {
@@ -95,6 +98,28 @@ Json memory_json(const RunRecord& record) {
             {"layers", layers}};
 }
 
+/// Where the guide pays: the probability of each region is the one that was expected to pay most.
+Json paid_json(const transport::GuideView& view) {
+    constexpr std::array<const char*, transport::GuideTree::orientations> names{"+x", "-x", "+y",   "-y",
+                                                                                "+z", "-z", "media"};
+    const std::vector<transport::GuideTree::Region>& regions = view.tree.regions();
+    const std::vector<std::uint8_t> sides = view.tree.sides();
+    std::map<transport::Real, std::uint64_t> counts;
+    std::array<std::uint64_t, names.size()> all{}, guided{};
+    for (std::size_t i = 0; i < regions.size(); ++i) {
+        ++counts[regions[i].share];
+        ++all[sides[i]];
+        if (regions[i].share > 0) ++guided[sides[i]];
+    }
+    double sum = 0;
+    for (std::size_t i = 0; i < view.regions.size(); ++i) sum += double{view.share(i)};
+    Json json{{"image_share", view.guided()}, {"image_probability", sum / static_cast<double>(view.regions.size())}};
+    for (const auto& [probability, count] : counts) json["regions"][number_text(double{probability})] = count;
+    for (std::size_t i = 0; i < names.size(); ++i)
+        json["sides"][names[i]] = {{"regions", all[i]}, {"guided", guided[i]}};
+    return json;
+}
+
 Json guide_json(const transport::GuideSummary& guide) {
     return {{"used", guide.used},          {"samples_per_pixel", guide.samples}, {"paths", guide.paths},
             {"regions", guide.regions},    {"guided_share", guide.guided},       {"memory_bytes", guide.bytes},
@@ -139,6 +164,8 @@ std::string statistics_json(const RunRecord& record) {
     json["branches"] = statistics.branches;
     if (statistics.guide.samples > 0) json["guide"] = guide_json(statistics.guide);
     if (statistics.guide.read) json["guide"]["read"] = true;
+    if (statistics.guide_view) json["guide"]["paid"] = paid_json(*statistics.guide_view);
+    if (!record.guide_view.is_null()) json["guide"]["view"] = record.guide_view;
     json["effects"] = effects_json(record.effects, record.job->effects);
     json["aovs"] = aovs_json(record.job->settings.channels.list);
     const auto pruned = [&](transport::Pruned cause) { return statistics.pruned[static_cast<std::size_t>(cause)]; };

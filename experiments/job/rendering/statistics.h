@@ -7,6 +7,7 @@
 
 #include "display/output/splits/split_check.h"
 #include "experiments/job/job.h"
+#include "experiments/job/text/json.h"
 #include "transport/render/render.h"
 
 namespace raylex::experiments {
@@ -40,6 +41,7 @@ struct RunRecord {
     std::vector<display::MemoryItem> memory;        ///< of the image, by layer, as estimated before rendering
     const display::DeepBuffer* deep = nullptr;      ///< null without a deep image
     transport::EffectFindings effects{};            ///< effects that the scene needs
+    Json guide_view{};                              ///< guide_view_json(), or null
 };
 
 /// Returns the statistics as JSON. experiments/docs/rendering/stats.md lists the keys.

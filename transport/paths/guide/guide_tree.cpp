@@ -115,6 +115,34 @@ Real GuideTree::density(const Region& region, const Vec3& direction) const {
     return density;
 }
 
+std::vector<Real> GuideTree::shares_of_cells(const Region& region, std::uint32_t depth) const {
+    std::vector<Real> shares;
+    const std::uint32_t side = std::uint32_t{1} << depth;
+    for (std::uint32_t y = 0; y < side; ++y)
+        for (std::uint32_t x = 0; x < side; ++x) {
+            Real share = 1;
+            std::uint32_t number = region.root;
+            for (std::uint32_t shift = depth; shift-- > 0;) {
+                const std::uint32_t quadrant = 2 * (y >> shift & 1) + (x >> shift & 1);
+                share *= number == 0 ? Real(0.25) : nodes_[number].share(quadrant);
+                if (number != 0) number = nodes_[number].child(quadrant);
+            }
+            shares.push_back(share);
+        }
+    return shares;
+}
+
+std::vector<std::uint8_t> GuideTree::sides() const {
+    std::vector<std::uint8_t> of_space(space_.size()), of_regions(regions_.size());
+    for (std::size_t i = 0; i < space_.size(); ++i) {  // halves stand behind what they are halves of
+        if (i < orientations) of_space[i] = static_cast<std::uint8_t>(i);
+        const std::uint32_t first = space_[i].first;
+        if (first == 0) of_regions[space_[i].region] = of_space[i];
+        else of_space[first] = of_space[first + 1] = of_space[i];
+    }
+    return of_regions;
+}
+
 std::size_t GuideTree::cell_of(const Region& region, const Vec3& direction) const {
     const Cell at(direction);
     std::uint32_t number = region.root;

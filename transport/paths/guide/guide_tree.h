@@ -89,6 +89,11 @@ class GuideTree {
     [[nodiscard]] std::size_t bytes() const {
         return nodes_.size() * sizeof(Node) + regions_.size() * sizeof(Region) + space_.size() * sizeof(Space);
     }
+    /// The shares of a region's density in the 2^depth x 2^depth equal cells of the square (direction_square.h), row by
+    /// row. Their sum is 1. depth: at most deepest_node.
+    [[nodiscard]] std::vector<Real> shares_of_cells(const Region& region, std::uint32_t depth) const;
+    /// [region] the side that its surfaces face, as numbered by `orientations`: +x, -x, +y, -y, +z, -z, media.
+    [[nodiscard]] std::vector<std::uint8_t> sides() const;
     /// Returns the node and the quadrant of the cell that contains a direction, as 4 node + quadrant.
     [[nodiscard]] std::size_t cell_of(const Region& region, const Vec3& direction) const;
 

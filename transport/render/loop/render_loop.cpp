@@ -133,6 +133,7 @@ FinishedLoop RenderLoop::finish() {
     statistics.prepare_seconds = state_.prepared.seconds + start_up_seconds_;
     statistics.pilot_rays = state_.prepared.paths->rays + state_.prepared.guide.rays;
     statistics.guide = state_.prepared.guide.summary;
+    statistics.guide_view = state_.prepared.guide_view;
     statistics.prepare_cpu_seconds = state_.prepared.cpu_seconds + start_up_cpu_seconds_;
     statistics.render_seconds = state_.session_seconds() - start_up_seconds_;
     state_.collect(statistics);

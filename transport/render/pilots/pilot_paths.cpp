@@ -74,10 +74,10 @@ void PilotPaths::begin(std::uint32_t round) {
 }
 
 void PilotPaths::begin_pixels(const display::PixelRegion& pixels, std::uint64_t seed, std::uint64_t first,
-                              std::uint32_t count) {
+                              std::uint32_t count, int step) {
     clear();
-    for (int y = pixels.y0; y < pixels.y1; ++y)
-        for (int x = pixels.x0; x < pixels.x1; ++x)
+    for (int y = pixels.y0; y < pixels.y1; y += step)
+        for (int x = pixels.x0; x < pixels.x1; x += step)
             for (std::uint64_t sample = first; sample < first + count; ++sample)
                 add(PixelSampler(SamplerKind::sobol, seed, x, y, sample), {1, 1},
                     {static_cast<Real>(x), static_cast<Real>(y)}, sample);

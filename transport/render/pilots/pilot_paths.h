@@ -60,8 +60,9 @@ class PilotPaths {
     /// Draws one path through each pixel of the grid, with numbers of its own for each round.
     void begin(std::uint32_t round);
     /// Draws paths through each of these pixels: samples [first, first + count) of numbers with this seed. Those of a
-    /// pixel follow one another.
-    void begin_pixels(const display::PixelRegion& pixels, std::uint64_t seed, std::uint64_t first, std::uint32_t count);
+    /// pixel follow one another. step: takes every step-th pixel of every step-th row.
+    void begin_pixels(const display::PixelRegion& pixels, std::uint64_t seed, std::uint64_t first, std::uint32_t count,
+                      int step = 1);
     /// From now on paths end early once `leave` is set.
     void leave_when(const std::atomic<bool>& leave) { leave_ = &leave; }
     /// Follows the paths that begin() drew, and calls visit(pixel, path) for each.

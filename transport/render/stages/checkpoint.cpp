@@ -50,7 +50,7 @@ std::string channel_text(const display::ChannelDefinition& channel) {
 
 void write_statistics(RecordWriter& writer, const RenderStatistics& statistics) {
     // If this binding stops compiling, statistics have a new number that no record stores yet.
-    const auto& [build_seconds, build_cpu_seconds, prepare_seconds, prepare_cpu_seconds, pilot_rays, guide,
+    const auto& [build_seconds, build_cpu_seconds, prepare_seconds, prepare_cpu_seconds, pilot_rays, guide, guide_view,
                  render_seconds, render_cpu_seconds, camera_samples, camera_rays, scattering_rays, shadow_rays,
                  discarded_samples, branches, pruned, path_length_histogram, attribution_overflow, invalid_samples,
                  invalid_by_channel, invalid_log, refused_services_calls, refusals, checkpoints,
@@ -58,7 +58,7 @@ void write_statistics(RecordWriter& writer, const RenderStatistics& statistics) 
     static_cast<void>(build_seconds), static_cast<void>(build_cpu_seconds);  // of this session only
     static_cast<void>(prepare_seconds), static_cast<void>(prepare_cpu_seconds), static_cast<void>(pilot_rays);
     static_cast<void>(checkpoints), static_cast<void>(checkpoint_stall_seconds);
-    static_cast<void>(discarded_samples), static_cast<void>(guide);
+    static_cast<void>(discarded_samples), static_cast<void>(guide), static_cast<void>(guide_view);
     writer.number(render_seconds);
     writer.number(render_cpu_seconds);
     for (const std::uint64_t each : {camera_samples, camera_rays, scattering_rays, shadow_rays, branches,

@@ -28,7 +28,8 @@ class PreparedJob {
     std::unique_ptr<const geoaovs::GeometricAovs> aovs;
     std::unique_ptr<const PlannedPaths> paths;
     TrainedGuide guide;
-    double seconds = 0, cpu_seconds = 0;  ///< of the preparation
+    std::shared_ptr<const GuideView> guide_view;  ///< RenderStatistics::guide_view
+    double seconds = 0, cpu_seconds = 0;          ///< of the preparation
 
   private:
     [[nodiscard]] GuideTraining training() const;

@@ -1,0 +1,17 @@
+// Looks from the pixels of an image at what its guide learned.
+#pragma once
+
+#include <memory>
+
+#include "transport/integrators/integrator.h"
+#include "transport/paths/guide/guide.h"
+#include "transport/paths/guide/guide_view.h"
+
+namespace raylex::transport {
+
+/// Follows a path through each point of a grid of at most 16,384 pixels, with one thread. No sample is part of the
+/// image. `context`: of the render, which uses `guide`.
+std::shared_ptr<const GuideView> view_guide(const IntegratorContext& context, const GuideRequest& request,
+                                            const Guide& guide);
+
+}  // namespace raylex::transport
