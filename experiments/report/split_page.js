@@ -111,7 +111,8 @@
       const index = layers.push(layer) - 1;
       rows.push(row);
       row.addEventListener('click', () => choose(index));
-      (layer.paint ? layer.paint() : paintLight(layer, Math.max(1, Math.ceil(width / 96)))).then(small => part(row, '.thumb').append(small));
+      const painted = layer.paint ? layer.paint() : paintLight(layer, Math.max(1, Math.ceil(width / 96)));
+      painted.then(small => part(row, '.thumb').append(small));
       choose(index);
     };
     section.querySelectorAll('[data-show]').forEach(each =>

@@ -1,10 +1,11 @@
 // What path guiding learned, in the page of an image: a layer with the probability of the guide at each pixel, and the
-// learned directions of a clicked point. guide_view.h describes the data. `page`: { addLayer, width, block, pointer } of
-// split_page.js.
+// learned directions of a clicked point. guide_view.h describes the data. `page`: { addLayer, width, block, pointer }
+// of split_page.js.
 const raylexGuide = (section, page) => {
   const view = JSON.parse(section.querySelector('script.guide').textContent);
   const { step, side, camera, probabilities } = view, grid = view.width * view.height, cells = side * side;
-  const make = (parent, tag, properties = {}) => parent.appendChild(Object.assign(document.createElement(tag), properties));
+  const make = (parent, tag, properties = {}) =>
+    parent.appendChild(Object.assign(document.createElement(tag), properties));
   const scale = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];  // from t = 0 to 1
   const colorOf = t => {
     const at = Math.max(0, Math.min(1, t)) * (scale.length - 1), i = Math.min(scale.length - 2, Math.floor(at));
@@ -47,7 +48,7 @@ const raylexGuide = (section, page) => {
   const densityOf = (bytes, x, y, z) => {
     const [dx, dy, dz] = [0, 1, 2].map(i => camera[i] * x + camera[3 + i] * y + camera[6 + i] * z);
     const sum = Math.abs(dx) + Math.abs(dy) + Math.abs(dz), a = Math.abs(dx) / sum, b = Math.abs(dy) / sum;
-    const cell = (part, sign) => Math.max(0, Math.min(side - 1, Math.floor(side * (0.5 + (sign < 0 ? -0.5 : 0.5) * part))));
+    const cell = (part, sign) => Math.min(side - 1, Math.floor(side * (0.5 + (sign < 0 ? -0.5 : 0.5) * part)));
     const byte = bytes[cell(dz < 0 ? 1 - a : b, dy) * side + cell(dz < 0 ? 1 - b : a, dx)];
     return byte ? 2 ** ((byte - 128) / 10) * Math.PI / sum ** 3 : 0;
   };

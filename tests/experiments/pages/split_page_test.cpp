@@ -2,8 +2,6 @@
 #include <catch2/catch.hpp>
 
 #include <Imath/half.h>
-#include <zlib.h>
-
 #include <cmath>
 #include <limits>
 #include <string>
@@ -12,31 +10,15 @@
 #include "experiments/job/text/json.h"
 #include "experiments/report/page_layers.h"
 #include "experiments/report/pixel_data.h"
+#include "tests/experiments/pages/unpacked.h"
 
 using namespace raylex::experiments;
 namespace display = raylex::display;
 using raylex::experiments::Json;
 using raylex::experiments::parse_json;
+using raylex::test::unpacked;
 
 namespace {
-
-std::vector<unsigned char> unpacked(const std::string& text, std::size_t size) {
-    const std::string letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::vector<unsigned char> packed, bytes(size);
-    unsigned bits = 0, count = 0;
-    for (const char c : text) {
-        if (c == '=') break;
-        bits = bits << 6U | static_cast<unsigned>(letters.find(c));
-        count += 6;
-        if (count < 8) continue;
-        count -= 8;
-        packed.push_back(static_cast<unsigned char>(bits >> count & 255U));
-    }
-    uLongf length = size;
-    REQUIRE(uncompress(bytes.data(), &length, packed.data(), packed.size()) == Z_OK);
-    REQUIRE(length == size);
-    return bytes;
-}
 
 std::vector<float> unpacked_halves(const std::string& text, std::size_t count) {
     const std::vector<unsigned char> bytes = unpacked(text, 2 * count);

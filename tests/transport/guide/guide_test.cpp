@@ -165,6 +165,35 @@ TEST_CASE("the density of each region of a guide integrates to 1, and samples ha
     }
 }
 
+TEST_CASE("the cells of a region have the shares of its density, and regions have their sides", "[guide]") {
+    const GuideTree tree = taught(1);
+    const std::vector<std::uint8_t> sides = tree.sides();
+    REQUIRE(sides.size() == tree.regions().size());
+    const std::vector<Vec3> normals{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}, {0, 0, 0}};
+    Random random(11);
+    for (int i = 0; i < 20; ++i)
+        for (std::size_t side = 0; side < normals.size(); ++side)
+            CHECK(sides[tree.place_of({random.one(), random.one(), random.one()}, normals[side]).region] == side);
+    constexpr int parts = 32;
+    for (std::size_t i = 0; i < tree.regions().size(); i += 20) {
+        const GuideTree::Region& region = tree.regions()[i];
+        const std::vector<Real> shares = tree.shares_of_cells(region, 5);
+        REQUIRE(shares.size() == parts * parts);
+        double sum = 0;
+        int cells = 0;
+        for (int y = 0; y < parts; ++y)
+            for (int x = 0; x < parts; ++x) {
+                const double share = double{shares[static_cast<std::size_t>(parts * y + x)]};
+                sum += share;
+                // Both are products of up to 12 shares, each rounded by 2^-24 of its value.
+                CHECK(share == Approx(integral(tree, region, double(x) / parts, double(y) / parts, 1.0 / parts, cells))
+                                   .epsilon(5e-6)
+                                   .margin(1e-12));
+            }
+        CHECK(sum == Approx(1).margin(5e-6));
+    }
+}
+
 TEST_CASE("a wrong density of a guide is found by its samples", "[guide]") {
     const GuideTree tree = taught(1);
     Random random(3);

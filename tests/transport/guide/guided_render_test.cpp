@@ -1,6 +1,7 @@
 // Renders whose paths a guide draws: the image stays what it is without the guide.
 #include "tests/transport/interrupted_render.h"
 #include "transport/enclosure.h"
+#include "transport/paths/guide/guide_view.h"
 #include "transport/render/stages/prepared_job.h"
 
 using namespace render_test;
@@ -238,6 +239,43 @@ TEST_CASE("a record of a guide gives the same guide, and a damaged one none", "[
     wild[wild.size() - 1] = '\x7f';
     wild[wild.size() - 4] = '\x7f';
     CHECK_FALSE(transport::TrainedGuide::from_record(wild).has_value());
+}
+
+TEST_CASE("a view of a guide has the regions that pixels see, and changes no bit", "[guide][render]") {
+    transport::RenderSettings settings = guided_settings(32, 4);
+    const auto scene = scene_of(lamp_in_glass);
+    const auto plain = render_of(scene, settings);
+    CHECK(plain.statistics.guide_view == nullptr);
+    settings.paths.guide_view = true;
+    const auto output = render_of(scene, settings);
+    CHECK((frame_bits(output) == frame_bits(plain)));
+    REQUIRE(output.statistics.guide_view != nullptr);
+    const transport::GuideView& view = *output.statistics.guide_view;
+    CHECK(view.step == 1);
+    REQUIRE((view.width == 24 && view.height == 24 && view.regions.size() == 24 * 24));
+    CHECK(view.tree.regions().size() == output.statistics.guide.regions);
+    // The camera looks along -z, and +x is on the left in pbrt's camera space.
+    CHECK((view.to_camera == std::array<transport::Real, 9>{-1, 0, 0, 0, 1, 0, 0, 0, -1}));
+    const std::vector<std::uint8_t> sides = view.tree.sides();
+    const auto side_at = [&](std::size_t x, std::size_t y) { return sides.at(view.regions[24 * y + x]); };
+    CHECK(side_at(12, 23) == 2);  // the floor faces +y, the ceiling -y
+    CHECK(side_at(12, 0) == 3);
+    CHECK(side_at(4, 12) == 1);   // the wall on the left -x
+    CHECK(side_at(15, 12) == 4);  // the wall behind +z
+    // Paths end within the glass of the globe at most; all else is diffuse.
+    const auto seen = std::count_if(view.regions.begin(), view.regions.end(),
+                                    [](std::uint32_t each) { return each != transport::GuideView::no_region; });
+    CHECK(seen > 500);
+    CHECK(view.guided() > 0);
+    CHECK(view.guided() <= static_cast<double>(seen) / (24 * 24));
+
+    settings.film.resolution = {130, 127};  // more pixels than a view has points
+    settings.samples.per_pixel = 1;
+    settings.paths.integrator = with_guide(integrator_named("path"), "on", 16);
+    const auto large = render_of(scene, settings);
+    REQUIRE(large.statistics.guide_view != nullptr);
+    CHECK(large.statistics.guide_view->step == 2);
+    CHECK((large.statistics.guide_view->width == 65 && large.statistics.guide_view->height == 64));
 }
 
 TEST_CASE("a training that takes half of the time limit is given up, with a warning", "[guide][render]") {
