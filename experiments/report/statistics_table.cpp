@@ -108,15 +108,11 @@ std::string statistics_table(const std::string& record) {
         {"Materials not evaluated: layers need only the geometry of first hits", "/pruned/closures"}};
     for (const auto& [label, place] : pruned)
         if (const double count = number_at(json, place); count > 0) text += row(label, grouped_digits(count));
-    if (number_at(json, "/guide/samples_per_pixel") > 0) {
-        text += row("Guide: samples of each pixel for training",
-                    grouped_digits(number_at(json, "/guide/samples_per_pixel")));
-        text += row("Guide: forecast gain", text_of("%.3g", number_at(json, "/guide/forecast_gain")));
-        text += row("Guide: regions", grouped_digits(number_at(json, "/guide/regions")));
-        text += row("Guide: share of regions with a probability above 0",
-                    text_of("%.0f %%", 100 * number_at(json, "/guide/guided_share")));
-        text += row("Guide: share of the image that sees these",
-                    text_of("%.0f %%", 100 * number_at(json, "/guide/paid/image_share")));
+    if (number_at(json, "/guide/paid/image_share") > 0) {
+        const auto percent = [&](const char* place) { return text_of("%.0f %%", 100 * number_at(json, place)); };
+        text += row("Path guiding: forecast gain", text_of("%.3g", number_at(json, "/guide/forecast_gain")));
+        text += row("Path guiding: used in this share of its regions", percent("/guide/guided_share"));
+        text += row("Path guiding: used in this share of the image", percent("/guide/paid/image_share"));
     }
     text += row("Merged attributions", grouped_digits(number_at(json, "/attribution_overflow")));
     text += row("Contributions that are not finite", grouped_digits(number_at(json, "/invalid_samples/count")));

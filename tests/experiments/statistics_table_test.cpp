@@ -16,6 +16,12 @@ TEST_CASE("the table of statistics counts what was traced and what was left out"
     CHECK_FALSE(contains(table, "Connections"));  // its count is 0
     CHECK_FALSE(contains(experiments::statistics_table(R"({"phases": {}, "rays": {"camera": 1000, "pilot": 0}})"),
                          "Rays traced before"));
+    const std::string guided = experiments::statistics_table(
+        R"({"phases": {}, "guide": {"forecast_gain": 2.5, "guided_share": 0.5, "paid": {"image_share": 0.75}}})");
+    CHECK(matches(guided,
+                  "[^]*forecast gain</td><td class=\"number\">2.5<[^]*regions</td><td class=\"number\">50 %<[^]*"
+                  "share of the image</td><td class=\"number\">75 %<[^]*"));
+    CHECK_FALSE(contains(table, "Path guiding"));
     CHECK(experiments::statistics_table("no JSON").empty());
     CHECK(experiments::statistics_table("{}").empty());
 }

@@ -85,17 +85,14 @@ const raylexGuide = (section, page) => {
   make(panel, 'p', { className: 'faint', textContent: 'Up and right as in the picture; the middle is the axis of the '
     + 'camera, the rim is at 90 degrees. Colours are relative to a uniform density, logarithmic:' });
   legend(['1/16', '1/2', '4', '32', '256'].map((text, i) => [text, colorOf(i / 4)]));
-  let added = false, pressed = null;
+  let added = false;
   panel.addEventListener('toggle', () => {
     if (panel.open && !added) page.addLayer({ name: 'guide', expression: '', look: row.title, planes: ['probability'],
       light: false, whole: null, empty: false, share: null, data: 'guide', planesOf, paint }, row);
     added = added || panel.open;
   });
-  const stage = section.querySelector('.panes');
-  stage.addEventListener('pointerdown', event => { pressed = event; });
-  stage.addEventListener('click', event => {
+  section.querySelector('.panes').addEventListener('click', () => {
     const { x, y } = page.pointer();
-    const moved = pressed && Math.hypot(event.clientX - pressed.clientX, event.clientY - pressed.clientY) > 3;
-    if (panel.open && x >= 0 && !moved) show(x, y);
+    if (panel.open && x >= 0) show(x, y);
   });
 };

@@ -54,7 +54,7 @@ Json guide_view_json(const transport::GuideView& view) {
 std::string guide_view_html(const std::string& record, int width, int height) {
     try {
         const Json view = parse_json(record).at("guide").at("view");
-        const std::int64_t step = whole(view.at("step"));
+        const std::int32_t step = whole(view.at("step"));
         const auto points = [&](std::int64_t pixels) { return (pixels + step - 1) / step; };
         if (step < 1 || view.at("width") != points(width) || view.at("height") != points(height)) return {};
         return "<script type=\"application/json\" class=\"guide\">" + script_json(json_text(view)) + "</script>\n";

@@ -8,7 +8,7 @@
 namespace raylex::transport {
 
 std::shared_ptr<const GuideView> view_guide(const IntegratorContext& context, const GuideRequest& request,
-                                            const Guide& guide) {
+                                            const Guide& guide, const std::atomic<bool>* stop) {
     constexpr std::uint64_t most_points = 16'384;
     const geoaovs::GeometricAovs no_aovs{std::span<const display::ChannelDefinition>()};
     IntegratorContext trial = context;
@@ -30,6 +30,7 @@ std::shared_ptr<const GuideView> view_guide(const IntegratorContext& context, co
     for (std::size_t i = 0; i < 9; ++i) view->to_camera[i] = trial.first_hits.world_to_camera[i / 3][i % 3];
 
     PilotPaths paths(trial);
+    if (stop != nullptr) paths.leave_when(*stop);
     paths.begin_pixels({0, 0, trial.view.width, trial.view.height}, ~trial.services.seed, 0, 1,
                        static_cast<int>(view->step));
     paths.follow(*integrator, *thread, [&](std::size_t point, const LaterRadiance::Path& path) {

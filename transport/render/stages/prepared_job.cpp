@@ -132,7 +132,8 @@ Result<PreparedJob> PreparedJob::prepare(ResolvedJob resolved, const Stopwatch& 
     prepared.paths = std::make_unique<const PlannedPaths>(make_path_plan(prepared.context(), request));
     if (Status s = prepared.train(std::move(training), *std::move(file), since_call, stop); !s) return s.error();
     if (job.settings.paths.guide_view && prepared.guide.guide)
-        prepared.guide_view = view_guide(prepared.context(), job.integrator().guide_request(), *prepared.guide.guide);
+        prepared.guide_view =
+            view_guide(prepared.context(), job.integrator().guide_request(), *prepared.guide.guide, stop);
     if (Status s = job.integrator().prepare(prepared.context()); !s) return s.error();
     for (Omission& omission : job.integrator().omissions())
         if (!omission.is_declared || job.settings.channels.takes.empty())
