@@ -25,9 +25,11 @@ namespace {
 constexpr int tile_side = 8;
 constexpr std::uint64_t paths_of_training = 1u << 23;  // unless fewer are an eighth of the render
 constexpr std::uint64_t fewest_samples = 4;            // of a pixel: fewer do not show what pays
-// `auto` decides after an eighth of the training at the earliest, with two samples of each pixel, which cost as much as
-// six without training: 5 % of so many.
-constexpr std::uint64_t shortest_automatic = 128;
+// `auto` decides from the eighth training sample of each pixel on: the round before has learned how many rays leave a
+// vertex, so that the forecast is one of the render's roulette. Eight samples cost about as much as ten without
+// training: 4 % of so many.
+constexpr std::uint64_t shortest_automatic = 256;
+constexpr std::uint32_t first_deciding_round = 3;
 constexpr std::uint64_t most_samples = 4096;    // of a pixel: all samples of a tile and a round are in memory
 constexpr std::uint64_t finds_of_region = 300;  // records with light, those of neighbours included
 constexpr std::size_t guide_bytes = std::size_t{64} << 20;  // sums of a round and the tree of the next included
@@ -38,8 +40,9 @@ constexpr double guide_vertex_cost = 0.6;
 constexpr double guide_share_cost = 1.02;
 // Where a guide has found nothing yet, other paths may find light.
 constexpr Real training_survival = Real(0.25);
-// Least gains with which `auto` goes on, by the number of rounds that are left: a guide becomes better with each.
-constexpr std::array<double, 4> worthwhile_gains{1.1, 1.05, 1.0, 0.9};
+// Least gains with which `auto` goes on, by the number of rounds that are left. A guide becomes better with each round,
+// and the time of the last two is most of the training's.
+constexpr std::array<double, 4> worthwhile_gains{0.95, 1.05, 1.1, 0.8};
 constexpr double most_unlikely = 1e4;
 
 /// Sums over the paths through a tile of the image.
@@ -370,7 +373,7 @@ TrainedGuide GuidePilot::run() {
         if (!whole) break;
         last = last_in_time(round, last, watch.wall());
         trained.summary.gain = gain();
-        if (automatic && last - round < worthwhile_gains.size())
+        if (automatic && round >= std::min(first_deciding_round, last) && last - round < worthwhile_gains.size())
             pays = trained.summary.gain > worthwhile_gains[last - round];
         refine(round == last);
     }

@@ -1,0 +1,163 @@
+// A guide at coated surfaces (Bsdf::can_be_guided), whose pdf() is not the density of their samples, and whose values
+// have pbrt's bias under rough coats.
+#include "tests/transport/materials_support.h"
+#include "transport/guide/guide_support.h"
+#include "transport/paths/guide/guide.h"
+#include "transport/paths/guide/guide_sums.h"
+
+using namespace render_test;
+
+namespace {
+
+using raylex::test::average;
+using raylex::test::MeanAndError;
+using raylex::test::Random;
+using transport::Bsdf;
+using transport::Rgb;
+using transport::Vec3;
+
+/// A guide whose regions prefer directions near `spot`, with a probability of a quarter.
+transport::Guide towards(const Vec3& normal, const Vec3& spot) {
+    const transport::GuideTree tree({{0, 0, 0}, {1, 1, 1}});
+    transport::GuideSums sums(tree, 0);
+    Random random(1);
+    for (int i = 0; i < 2000; ++i) {
+        const Vec3 around = transport::sample_uniform_sphere(random.two());
+        sums.add({.position = {0.5f, 0.5f, 0.5f},
+                  .normal = normal,
+                  .direction = normalize(spot + around * transport::Real(0.3)),
+                  .square = 1,
+                  .density = 1,
+                  .chance = 1,
+                  .key = static_cast<std::uint64_t>(i)});
+    }
+    return transport::Guide(refined(sums, {.finds = 10'000, .nodes = 10'000}));
+}
+
+template <class Base>
+Bsdf coated(const Base& base, float alpha, bool as_pbrt, std::uint32_t key, float medium = 0) {
+    transport::LayeredClosure<Base> closure;
+    closure.coat = {{transport::Ggx::from_alpha(alpha, alpha), 1.5f}, 0.01f, 0.4f, Rgb(medium), 400, 1, as_pbrt};
+    closure.base = base;
+    closure.key = key;
+    Bsdf bsdf;
+    bsdf.set(raylex::test::tilted_frame(), closure);
+    return bsdf;
+}
+
+Bsdf coat_of_kind(int kind, std::uint32_t key) {
+    const transport::LambertClosure white{Rgb(0.8f)};
+    const transport::ConductorClosure metal{transport::Ggx::from_alpha(0.3f, 0.3f), Rgb(0.8f), Rgb(0), true};
+    switch (kind) {
+        case 0:
+            return coated(white, 0, true, key);
+        case 1:
+            return coated(white, 0.4f, true, key);
+        case 2:
+            return coated(white, 0.4f, false, key);
+        case 3:
+            return coated(white, 0.2f, true, key, 0.5f);
+        case 4:
+            return coated(metal, 0, true, key);
+        default:
+            return coated(metal, 0.4f, true, key);
+    }
+}
+
+/// The lamp in glass and a lamp before the ceiling, in a room of a rough coat, a smooth one, and coated metal.
+std::string coated_room() {
+    std::string scene = lamp_in_globe(0.3, 0.12, 60);
+    const std::string walls = R"(Material "diffuse" "rgb reflectance" [0.6 0.6 0.6])";
+    scene.replace(scene.find(walls), walls.size(),
+                  R"(Material "coateddiffuse" "rgb reflectance" [0.6 0.6 0.6] "float roughness" 0.15)");
+    scene.insert(scene.find("Shape \"bilinearmesh\""),
+                 "Material \"coateddiffuse\" \"rgb reflectance\" [0.6 0.5 0.4] \"float roughness\" 0\n");
+    scene.insert(scene.rfind("Shape \"bilinearmesh\""),
+                 R"(Material "coatedconductor" "float interface.roughness" 0.1 "float conductor.roughness" 0.2 )");
+    return scene + R"(
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [2 2 2]
+  Shape "bilinearmesh" "point3 P" [-0.3 1.9 -0.3  0.3 1.9 -0.3  -0.3 1.9 0.3  0.3 1.9 0.3]
+AttributeEnd
+)";
+}
+
+}  // namespace
+
+TEST_CASE("a guide's samples of coats have the means of the coats' own samples", "[guide][materials]") {
+    const raylex::test::Frame frame = raylex::test::tilted_frame();
+    const Vec3 spot = frame.to_world(raylex::test::local_direction(0.5f, 2.5f));
+    const transport::Guide guide = towards(frame.n, spot);
+    transport::SurfacePoint point;
+    point.position = {0.5f, 0.5f, 0.5f};
+    point.shading_normal = frame.n;
+    point.wo = frame.to_world(raylex::test::local_direction(0.7f));
+    REQUIRE(guide.tree().region(guide.tree().place_of(point.position, frame.n).region).share > 0.2f);
+    const int kind = GENERATE(0, 1, 2, 3, 4, 5);
+    CAPTURE(kind);
+    // Light from near the spot, beside light from everywhere; `guided`: by the guide, otherwise by the coat.
+    const auto reflected = [&](bool guided, bool near_spot, int count, std::uint64_t seed) {
+        Random random(seed);
+        return average(count, [&] {
+            const Bsdf bsdf = coat_of_kind(kind, random.bits());
+            const transport::Real u_lobe = random.one();
+            const auto s = guided ? guide.sample(bsdf, point, transport::TransportMode::radiance, u_lobe, random.two())
+                                  : bsdf.sample(point.wo, u_lobe, random.two());
+            if (!(s.pdf > 0)) return 0.0;
+            if (guided) CHECK(s.is_weighed);
+            return near_spot && dot(s.wi, spot) < 0.9f ? 0.0 : double{s.weight.r};
+        });
+    };
+    for (const bool near_spot : {false, true}) {
+        const MeanAndError guided = reflected(true, near_spot, 200'000, 7),
+                           own = reflected(false, near_spot, 200'000, 8);
+        CAPTURE(near_spot, guided.mean, guided.standard_error, own.mean, own.standard_error);
+        const double error = std::hypot(guided.standard_error, own.standard_error);
+        CHECK(std::abs(guided.mean - own.mean) < 4.5 * error);
+        // Pbrt's values are 9 % too large under the rough coats; the guide draws a quarter of the directions.
+        CHECK(error < 0.02 / 4.5 * own.mean);
+        if (near_spot) CHECK(guided.standard_error < own.standard_error);
+    }
+}
+
+TEST_CASE("at rough coats of pbrt a guide leaves the weights of light samples", "[guide][materials]") {
+    const raylex::test::Frame frame = raylex::test::tilted_frame();
+    const transport::Guide guide = towards(frame.n, frame.n);
+    transport::SurfacePoint point;
+    point.position = {0.5f, 0.5f, 0.5f};
+    point.shading_normal = frame.n;
+    point.wo = frame.to_world(raylex::test::local_direction(0.7f));
+    constexpr auto radiance = transport::TransportMode::radiance;
+    for (const bool as_pbrt : {true, false}) {
+        const Bsdf bsdf = coated(transport::LambertClosure{Rgb(0.8f)}, 0.4f, as_pbrt, 5);
+        const transport::Real own = bsdf.pdf(point.wo, frame.n);
+        CHECK((guide.pdf(bsdf, point, radiance, frame.n, own) == own) == as_pbrt);
+        Random random(3);
+        for (int i = 0; i < 1000; ++i) {
+            const auto s = guide.sample(bsdf, point, radiance, random.one(), random.two());
+            if (s.pdf > 0) CHECK(s.pdf == guide.pdf(bsdf, point, radiance, s.wi, bsdf.pdf(point.wo, s.wi)));
+        }
+    }
+}
+
+TEST_CASE("guided paths estimate the image of plain ones in a room of coats", "[guide][render][gate][statistical]") {
+    const auto scene = transport::BuiltScene::build(scene_of(coated_room()));
+    REQUIRE(scene.ok());
+    transport::RenderSettings settings = guided_settings(64, 64);
+    settings.channels.list = {lpe_channel("coat", "C<RG>.*L"), lpe_channel("base", "C<RD>.*L")};
+    const Replicates guided = replicates(**scene, settings, 3, 12, 500);
+    settings.samples.per_pixel = 1;
+    const auto one = transport::render(**scene, settings);
+    REQUIRE(one.ok());
+    CHECK(one->statistics.guide.guided > 0.5);
+    settings.samples.per_pixel = 64;
+    settings.paths.integrator = with_guide(integrator_named("bdpt"), "on", 64);
+    const Replicates bidirectional = replicates(**scene, settings, 3, 12, 900);
+    settings.paths.integrator = integrator_named("bdpt");
+    const Replicates plain_bidirectional = replicates(**scene, settings, 3, 12, 1300);
+    settings.paths.integrator = integrator_named("path");
+    settings.samples.per_pixel = 256;
+    const Replicates plain = replicates(**scene, settings, 3, 12, 100);
+    check_agreement(plain, guided, {"beauty", "coat", "base"});
+    check_agreement(plain_bidirectional, bidirectional, {"beauty", "coat", "base"});
+}
