@@ -50,8 +50,24 @@ inline Estimate Replicates::channel(std::size_t index) const {
     return {whole.mean(0), std::sqrt(whole.variance(0))};
 }
 
-/// Replicates of `channels` expression channels from id 0, in one colour (green). The seeds are first_seed, first_seed
-/// + 1, ...
+/// Appends the means of a channel's color over each block of pixels to `means`.
+inline void append_block_means(const transport::RenderOutput& output, int channel, int color,
+                               std::vector<double>& means) {
+    const std::vector<double> image = output.frame_buffer.resolve(channel);
+    std::vector<double> sum(blocks_across * blocks_across), count(blocks_across * blocks_across);
+    for (int y = 0; y < output.view.height; ++y)
+        for (int x = 0; x < output.view.width; ++x) {
+            const auto block = static_cast<std::size_t>(y * blocks_across / output.view.height * blocks_across +
+                                                        x * blocks_across / output.view.width);
+            sum[block] +=
+                image[3 * static_cast<std::size_t>(y * output.view.width + x) + static_cast<std::size_t>(color)];
+            ++count[block];
+        }
+    for (std::size_t b = 0; b < sum.size(); ++b) means.push_back(sum[b] / count[b]);
+}
+
+/// Replicates of `channels` expression channels from id 0, in one colour (green), or in red, green and blue one after
+/// another (-1). The seeds are first_seed, first_seed + 1, ...
 inline Replicates replicates(const transport::BuiltScene& scene, transport::RenderSettings settings, int channels,
                              int seeds, std::uint64_t first_seed, int color = 1) {
     Replicates result;
@@ -61,23 +77,10 @@ inline Replicates replicates(const transport::BuiltScene& scene, transport::Rend
         INFO((output ? std::string() : output.error().to_string()));
         REQUIRE(output.ok());
         CHECK(output->statistics.invalid_samples == 0);
-        std::vector<double>& means =
-            result.of_seed.emplace_back(static_cast<std::size_t>(channels * blocks_across * blocks_across));
-        for (int channel = 0; channel < channels; ++channel) {
-            const std::vector<double> image = output->frame_buffer.resolve(channel);
-            std::vector<double> sum(blocks_across * blocks_across), count(blocks_across * blocks_across);
-            for (int y = 0; y < output->view.height; ++y)
-                for (int x = 0; x < output->view.width; ++x) {
-                    const auto block =
-                        static_cast<std::size_t>(y * blocks_across / output->view.height * blocks_across +
-                                                 x * blocks_across / output->view.width);
-                    sum[block] += image[3 * static_cast<std::size_t>(y * output->view.width + x) +
-                                        static_cast<std::size_t>(color)];
-                    ++count[block];
-                }
-            for (std::size_t b = 0; b < sum.size(); ++b)
-                means[static_cast<std::size_t>(channel) * sum.size() + b] = sum[b] / count[b];
-        }
+        std::vector<double>& means = result.of_seed.emplace_back();
+        for (int channel = 0; channel < channels; ++channel)
+            for (int c = 0; c < 3; ++c)
+                if (color == c || color == -1) append_block_means(*output, channel, c, means);
     }
     return result;
 }
