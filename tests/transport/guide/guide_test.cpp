@@ -82,15 +82,20 @@ double integral(const GuideTree& tree, const GuideTree::Region& region, double x
     return sum;
 }
 
-/// Chi-squared of `count` samples of a region against a density, over 32 x 32 parts of the square; in standard
-/// deviations from its mean.
-template <class Density>
-double chi_squared(const GuideTree& tree, const GuideTree::Region& region, Random& random, int count,
-                   const Density& density) {
+/// Chi-squared of `count` directions against a density, over 32 x 32 parts of the square; in standard deviations from
+/// its mean. `draw` returns a direction, or zero for a path that ends, which the rest of the density stands for.
+template <class Draw, class Density>
+double chi_squared(int count, const Draw& draw, const Density& density) {
     constexpr int parts = 32, within = 8;
     std::vector<double> found(parts * parts), expected(parts * parts);
+    double rest_found = 0, rest_expected = count;
     for (int i = 0; i < count; ++i) {
-        const Vec2 at = transport::square_from_direction(tree.sample(region, random.two()));
+        const Vec3 direction = draw();
+        if (direction == Vec3{0, 0, 0}) {
+            ++rest_found;
+            continue;
+        }
+        const Vec2 at = transport::square_from_direction(direction);
         const auto part = [](Real x) { return std::min(static_cast<int>(x * parts), parts - 1); };
         ++found[static_cast<std::size_t>(part(at.y) * parts + part(at.x))];
     }
@@ -102,14 +107,14 @@ double chi_squared(const GuideTree& tree, const GuideTree::Region& region, Rando
                 density(direction) / double{transport::square_per_steradian(direction)} * count /
                 (parts * parts * within * within);
         }
-    double sum = 0, rest_found = 0, rest_expected = 0;
+    double sum = 0;
     int degrees = 0;
     for (std::size_t i = 0; i < found.size(); ++i) {
         if (expected[i] < 10) {
             rest_found += found[i];
-            rest_expected += expected[i];
             continue;
         }
+        rest_expected -= expected[i];
         sum += (found[i] - expected[i]) * (found[i] - expected[i]) / expected[i];
         ++degrees;
     }
@@ -118,6 +123,24 @@ double chi_squared(const GuideTree& tree, const GuideTree::Region& region, Rando
         ++degrees;
     }
     return (sum - degrees) / std::sqrt(2.0 * degrees);
+}
+
+/// Chi-squared of 20,000 directions of a region's quadtree.
+template <class Density>
+double chi_squared_of(const GuideTree& tree, const GuideTree::Region& region, Random& random, const Density& density) {
+    return chi_squared(
+        20'000, [&] { return tree.sample(region, random.two()); }, density);
+}
+
+/// Closures of all kinds that a guide draws for.
+std::vector<transport::Bsdf> guided_closures(const raylex::test::Frame& frame) {
+    std::vector<transport::Bsdf> closures(4);
+    closures[0].set(frame, transport::LambertClosure{transport::Rgb(0.6f)});
+    closures[1].set_phase(0.4f);
+    closures[2].set(frame, transport::DiffuseTransmissionClosure{transport::Rgb(0.3f), transport::Rgb(0.4f)});
+    closures[3].set(frame, transport::ConductorClosure{transport::Ggx::from_alpha(0.2f, 0.3f), transport::Rgb(0.8f),
+                                                       transport::Rgb(0), true});
+    return closures;
 }
 
 transport::SceneEntity guided_path(int samples) {
@@ -160,8 +183,8 @@ TEST_CASE("the density of each region of a guide integrates to 1, and samples ha
         const GuideTree::Region& region = tree.regions()[i];
         // Beyond 6 standard deviations by chance less than once in 10^5, at the tails of some hundred degrees of
         // freedom.
-        CHECK(chi_squared(tree, region, random, 20'000,
-                          [&](const Vec3& to) { return double{tree.density(region, to)}; }) < 6);
+        CHECK(chi_squared_of(tree, region, random, [&](const Vec3& to) { return double{tree.density(region, to)}; }) <
+              6);
     }
 }
 
@@ -201,7 +224,7 @@ TEST_CASE("a wrong density of a guide is found by its samples", "[guide]") {
         const GuideTree::Region& region = tree.regions()[i];
         if (!(region.share > 0)) continue;
         // A tenth of all samples is taken for uniform.
-        CHECK(chi_squared(tree, region, random, 20'000, [&](const Vec3& to) {
+        CHECK(chi_squared_of(tree, region, random, [&](const Vec3& to) {
                   return 0.9 * double{tree.density(region, to)} + 0.1 / sphere_area;
               }) > 6);
     }
@@ -272,15 +295,9 @@ TEST_CASE("points outside the box, and no points, are in the regions at its bord
 
 TEST_CASE("a guide's samples have the density that pdf() returns, at closures of all kinds", "[guide][directions]") {
     const transport::Guide guide(taught(1));
-    std::vector<transport::Bsdf> closures(4);
     const raylex::test::Frame frame = raylex::test::tilted_frame();
-    closures[0].set(frame, transport::LambertClosure{transport::Rgb(0.6f)});
-    closures[1].set_phase(0.4f);
-    closures[2].set(frame, transport::DiffuseTransmissionClosure{transport::Rgb(0.3f), transport::Rgb(0.4f)});
-    closures[3].set(frame, transport::ConductorClosure{transport::Ggx::from_alpha(0.2f, 0.3f), transport::Rgb(0.8f),
-                                                       transport::Rgb(0), true});
     Random random(5);
-    for (transport::Bsdf& bsdf : closures)
+    for (const transport::Bsdf& bsdf : guided_closures(frame))
         for (int i = 0; i < 2000; ++i) {
             transport::SurfacePoint point;
             point.position = {random.one(), random.one(), random.one()};
@@ -294,6 +311,35 @@ TEST_CASE("a guide's samples have the density that pdf() returns, at closures of
             // Products and quotients of a few floats.
             for (int c = 0; c < 3; ++c) CHECK(s.weight[c] * s.pdf == Approx(f.value[c]).epsilon(1e-4).margin(1e-6));
         }
+}
+
+TEST_CASE("directions of a guide have its mixed density, and a planted wrong one is found", "[guide][directions]") {
+    const transport::Guide guide(taught(1));
+    const raylex::test::Frame frame = raylex::test::tilted_frame();
+    constexpr auto radiance = transport::TransportMode::radiance;
+    Random random(11);
+    for (const transport::Bsdf& bsdf : guided_closures(frame)) {
+        transport::SurfacePoint point;
+        point.wo = frame.to_world(raylex::test::local_direction(0.6f));
+        for (const Real x : {0.1f, 0.5f, 0.9f}) {
+            const std::uint32_t region = guide.tree().place_of({x, 0.4f, 0.6f}, {0, 1, 0}).region;
+            REQUIRE(guide.tree().region(region).share > 0);
+            point.direction_region = 1 + region;
+            const auto draw = [&] {
+                const auto s = guide.sample(bsdf, point, radiance, random.one(), random.two());
+                return s.pdf > 0 ? s.wi : Vec3{0, 0, 0};
+            };
+            // Paths end where the closure scatters no light.
+            const auto density = [&](const Vec3& to) {
+                const auto f = bsdf.evaluate(point.wo, to);
+                return f.value.is_black() ? 0 : double{guide.pdf(bsdf, point, radiance, to, f.pdf)};
+            };
+            CHECK(chi_squared(20'000, draw, density) < 6);  // beyond 6 by chance less than once in 10^5
+            // A fifth of the directions is taken for uniform; those of the quadtree are taken for the closure's.
+            CHECK(chi_squared(20'000, draw, [&](const Vec3& to) { return 0.8 * density(to) + 0.2 / sphere_area; }) > 6);
+            CHECK(chi_squared(20'000, draw, [&](const Vec3& to) { return double{bsdf.pdf(point.wo, to)}; }) > 6);
+        }
+    }
 }
 
 TEST_CASE("regions that renders learn have densities that integrate to 1", "[guide][gate]") {
