@@ -4,7 +4,9 @@
 #include <numbers>
 #include <thread>
 
+#include "tests/support/paths.h"
 #include "tests/transport/materials_support.h"
+#include "transport/import/pbrt/pbrt_importer.h"
 #include "transport/paths/guide/direction_square.h"
 #include "transport/paths/guide/guide.h"
 #include "transport/paths/guide/guide_sums.h"
@@ -25,6 +27,9 @@ using transport::Vec3;
 
 const transport::Bounds unit_box{{0, 0, 0}, {1, 1, 1}};
 constexpr double sphere_area = 4 * std::numbers::pi;
+/// Of the integral of a density: up to 12 shares and the area of the square per steradian, each rounded by 2^-24 of its
+/// value.
+constexpr double density_rounding = 5e-6;
 
 /// Light from a spot of 7 degrees around a direction that turns with the position, and a little from everywhere. Half
 /// of the directions come from the guide.
@@ -149,13 +154,14 @@ transport::SceneEntity guided_path(int samples) {
     return entity;
 }
 
-/// The guide that a render of the scene learns; null if no region of it is guided.
-transport::TrainedGuide learned(const std::string& text, int samples, int threads = 2) {
-    const auto scene = transport::BuiltScene::build(scene_of(text));
+/// The guide that a render of the scene with 72 x 72 pixels learns; null if no region of it is guided.
+transport::TrainedGuide learned(const transport::SceneDescription& description, int samples) {
+    const auto scene = transport::BuiltScene::build(description);
     REQUIRE(scene.ok());
     transport::RenderSettings settings;
     settings.paths.integrator = guided_path(samples);
-    settings.machine.threads = threads;
+    settings.film.resolution = {72, 72};
+    settings.machine.threads = 2;
     auto job = transport::ResolvedJob::resolve(**scene, settings);
     REQUIRE(job.ok());
     auto prepared = transport::PreparedJob::prepare(*std::move(job));
@@ -172,8 +178,7 @@ TEST_CASE("the density of each region of a guide integrates to 1, and samples ha
     int guided = 0, most_cells = 0;
     for (const GuideTree::Region& region : tree.regions()) {
         int cells = 0;
-        // Products of up to 12 shares and the area of the square per steradian, each rounded by 2^-24 of its value.
-        CHECK(integral(tree, region, 0, 0, 1, cells) == Approx(1).margin(5e-6));
+        CHECK(integral(tree, region, 0, 0, 1, cells) == Approx(1).margin(density_rounding));
         most_cells = std::max(most_cells, cells);
         if (region.share > 0) ++guided;
     }
@@ -342,20 +347,52 @@ TEST_CASE("directions of a guide have its mixed density, and a planted wrong one
     }
 }
 
-TEST_CASE("regions that renders learn have densities that integrate to 1", "[guide][gate]") {
-    std::size_t regions = 0;
-    for (const std::string& text : {room, foggy_room(), many_lights()}) {
-        const transport::TrainedGuide trained = learned(text, 256);
-        if (trained.guide == nullptr) continue;
-        const GuideTree& tree = trained.guide->tree();
-        regions += tree.regions().size();
-        Random random(1);
-        for (const GuideTree::Region& region : tree.regions()) {
-            int cells = 0;
-            CHECK(integral(tree, region, 0, 0, 1, cells) == Approx(1).margin(5e-6));
-            const Vec3 to = tree.sample(region, random.two());
-            CHECK(tree.density(region, to) > 0);
-        }
+TEST_CASE("in five scenes 10,000 regions have densities that integrate to 1 and are pdf() of their samples",
+          "[guide][gate]") {
+    std::vector<transport::SceneDescription> scenes{scene_of(room), scene_of(foggy_room())};
+    for (const char* name : {"door-ajar", "cornell-fog", "glass-fixtures"}) {
+        auto scene = transport::import_pbrt(raylex::test::source_dir() + "/experiments/scenes/" + name + "/scene.pbrt");
+        REQUIRE(scene.ok());
+        scenes.push_back(*std::move(scene));
     }
-    CHECK(regions > 300);
+    const raylex::test::Frame frame = raylex::test::tilted_frame();
+    const std::vector<transport::Bsdf> closures = guided_closures(frame);
+    transport::SurfacePoint point;
+    point.wo = frame.to_world(raylex::test::local_direction(0.6f));
+    std::size_t regions = 0, guided = 0;
+    Random random(1);
+    for (const transport::SceneDescription& scene : scenes) {
+        const transport::TrainedGuide trained = learned(scene, 64);
+        REQUIRE(trained.guide != nullptr);
+        const transport::Guide& guide = *trained.guide;
+        const std::size_t count = guide.tree().regions().size();
+        std::size_t right_integrals = 0, right_densities = 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            const GuideTree::Region& region = guide.tree().regions()[i];
+            int cells = 0;
+            right_integrals +=
+                std::abs(integral(guide.tree(), region, 0, 0, 1, cells) - 1) <= density_rounding ? 1u : 0u;
+            guided += region.share > 0 ? 1u : 0u;
+            point.direction_region = static_cast<std::uint32_t>(1 + i);
+            bool right = true;
+            for (const transport::Bsdf& bsdf : closures) {
+                constexpr auto radiance = transport::TransportMode::radiance;
+                const auto s = guide.sample(bsdf, point, radiance, random.one(), random.two());
+                right = right &&
+                        (!(s.pdf > 0) || s.pdf == guide.pdf(bsdf, point, radiance, s.wi, bsdf.pdf(point.wo, s.wi)));
+                // A direction drawn from the quadtree itself.
+                const Vec3 to = guide.tree().sample(region, random.two());
+                const Real by_closure = bsdf.pdf(point.wo, to), by_tree = guide.tree().density(region, to);
+                right = right && by_tree > 0 &&
+                        guide.pdf(bsdf, point, radiance, to, by_closure) ==
+                            Approx(region.share * by_tree + (1 - region.share) * by_closure).epsilon(1e-6);
+            }
+            right_densities += right ? 1u : 0u;
+        }
+        CHECK(right_integrals == count);
+        CHECK(right_densities == count);
+        regions += count;
+    }
+    CHECK(regions >= 10'000);
+    CHECK(guided >= 4'000);
 }
