@@ -6,8 +6,8 @@
 
 #include "tests/support/paths.h"
 #include "tests/support/skip.h"
+#include "transport/guide/guide_support.h"
 #include "transport/import/pbrt/pbrt_importer.h"
-#include "transport/replicates.h"
 
 using namespace render_test;
 namespace fs = std::filesystem;
@@ -63,8 +63,7 @@ void check_scene(const ComparedScene& each, const fs::path& folder) {
     settings.machine.threads = 2;
     settings.paths.integrator = integrator_named("path");
     Replicates plain = replicates(**built, settings, 1, seeds, 1, -1);
-    settings.paths.integrator->parameters.parameters = {text_parameter("guide", "on"),
-                                                        number_parameter("guidesamples", each.training)};
+    settings.paths.integrator = with_guide(integrator_named("path"), "on", each.training);
     Replicates guided = replicates(**built, settings, 1, seeds, 1'001, -1);
     settings.samples.per_pixel = 1;
     const auto one = transport::render(**built, settings);

@@ -3,28 +3,17 @@
 #include <chrono>
 
 #include "display/checkpoint/record_file.h"
-#include "tests/transport/interrupted_render.h"
-#include "transport/replicates.h"
+#include "transport/guide/guide_support.h"
 
 using namespace render_test;
 
 namespace {
 
 transport::RenderSettings shared_guide(const std::string& file, const std::string& mode = "on", int samples = 8) {
-    transport::RenderSettings settings;
-    settings.paths.integrator = path_with(text_parameter("guide", mode));
-    if (samples > 0)
-        settings.paths.integrator->parameters.parameters.push_back(number_parameter("guidesamples", samples));
+    transport::RenderSettings settings = guided_settings(samples, 16);
+    settings.paths.integrator = with_guide(integrator_named("path"), mode, samples);
     settings.paths.guide_file = file;
-    settings.samples.per_pixel = 16;
-    settings.machine.threads = 2;
     return settings;
-}
-
-std::string bits_of_image(const transport::RenderOutput& output) {
-    std::string bytes;
-    output.frame_buffer.append_record(bytes);
-    return bytes;
 }
 
 /// Checks that the render ends with an Error about this file that has all of `words`, and returns it.
@@ -58,8 +47,8 @@ TEST_CASE("a guide in a file gives the bits of the training", "[guide][render][c
     transport::RenderSettings settings = shared_guide(file.path(), mode);
     settings.machine.threads = 3;
     const auto read = render_of(scene, settings);
-    CHECK((bits_of_image(written) == bits_of_image(trained)));
-    CHECK((bits_of_image(read) == bits_of_image(trained)));
+    CHECK((frame_bits(written) == frame_bits(trained)));
+    CHECK((frame_bits(read) == frame_bits(trained)));
     CHECK((file.bytes() == bytes));
     // The training is counted where it was made.
     const transport::GuideSummary &here = read.statistics.guide, &there = written.statistics.guide;
@@ -94,7 +83,7 @@ TEST_CASE("shards and crops that read one guide have the bits of the whole rende
     const auto last = render_of(scene, settings);
     CHECK(last.statistics.guide.read);
     REQUIRE(merged.frame_buffer.merge(last.frame_buffer).ok());
-    CHECK((bits_of_image(merged) == bits_of_image(whole)));
+    CHECK((frame_bits(merged) == frame_bits(whole)));
     settings.samples.first = 0;
     settings.film.crop = display::PixelRegion{3, 5, 11, 20};
     const auto crop = render_of(scene, settings);
@@ -249,5 +238,5 @@ TEST_CASE("a guide that cannot be written after its training is a warning", "[gu
     REQUIRE_FALSE(output->warnings.empty());
     CHECK(output->warnings.back().file == file.path());
     CHECK_FALSE(file.exists());
-    CHECK((bits_of_image(*output) == bits_of_image(trained)));
+    CHECK((frame_bits(*output) == frame_bits(trained)));
 }

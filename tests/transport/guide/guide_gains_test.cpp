@@ -1,53 +1,15 @@
 // Roulette and splits by expected gain (paths/guide/guide_gains.h): the image stays what it is without them.
 #include "transport/paths/guide/guide_gains.h"
 
-#include "tests/transport/interrupted_render.h"
+#include "transport/directed_integrator.h"
 #include "transport/enclosure.h"
-#include "transport/integrators/integrator.h"
+#include "transport/guide/guide_support.h"
 
 using namespace render_test;
 
 namespace {
 
 using transport::Real;
-
-transport::RenderSettings gain_settings(int training, std::uint64_t per_pixel, const std::string& roulette = "gain") {
-    transport::RenderSettings settings;
-    transport::SceneEntity path = integrator_named("path");
-    path.parameters.parameters.push_back(text_parameter("guide", "on"));
-    path.parameters.parameters.push_back(number_parameter("guidesamples", training));
-    path.parameters.parameters.push_back(text_parameter("guideroulette", roulette));
-    settings.paths.integrator = path;
-    settings.samples.per_pixel = per_pixel;
-    settings.machine.threads = 2;
-    return settings;
-}
-
-std::string bits_of_frame(const transport::RenderOutput& output) {
-    std::string bytes;
-    output.frame_buffer.append_record(bytes);
-    return bytes;
-}
-
-/// A closed box with a lamp in a globe of glass, which no light sample passes.
-const std::string globe = film + R"(
-Integrator "path" "integer maxdepth" 6
-LookAt 0 1 3.9  0 1 0  0 1 0
-Camera "perspective" "float fov" 39
-WorldBegin
-Material "diffuse" "rgb reflectance" [0.6 0.6 0.6]
-Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-1 0 4 1 0 4 1 0 -1 -1 0 -1]
-Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-1 2 -1 1 2 -1 1 2 4 -1 2 4]
-Shape "bilinearmesh" "point3 P" [-1 0 -1 1 0 -1 -1 2 -1 1 2 -1]
-Shape "bilinearmesh" "point3 P" [-1 0 4 1 0 4 -1 2 4 1 2 4]
-Shape "bilinearmesh" "point3 P" [-1 0 -1 -1 0 4 -1 2 -1 -1 2 4]
-Shape "bilinearmesh" "point3 P" [1 0 -1 1 0 4 1 2 -1 1 2 4]
-AttributeBegin Translate 0.1 1.3 0.2
-  AttributeBegin Material "dielectric" Shape "sphere" "float radius" 0.35 AttributeEnd
-  AreaLightSource "diffuse" "rgb L" [20 20 20]
-  Shape "sphere" "float radius" 0.2
-AttributeEnd
-)";
 
 /// Closures draw directions. The number of rays depends on the place and the throughput, without any reason: most paths
 /// end early, and few survivors count for many.
@@ -74,42 +36,6 @@ class PlantedRays final : public transport::DirectionSampler {
         return closure_pdf;
     }
 };
-
-/// `path`, prepared with PlantedRays.
-class PlantedPath final : public transport::Integrator {
-  public:
-    explicit PlantedPath(std::unique_ptr<Integrator> inner) : inner_(std::move(inner)) {}
-    [[nodiscard]] transport::IntegratorTraits traits() const override { return inner_->traits(); }
-    raylex::Status prepare(const transport::IntegratorContext& context) override {
-        transport::IntegratorContext planted = context;
-        planted.directions = &rays_;
-        return inner_->prepare(planted);
-    }
-    [[nodiscard]] std::unique_ptr<transport::IntegratorThread> make_thread_state() const override {
-        return inner_->make_thread_state();
-    }
-    void integrate(const transport::CameraBatch& batch, transport::IntegratorThread& thread,
-                   transport::ThreadServices& services) const override {
-        inner_->integrate(batch, thread, services);
-    }
-
-  private:
-    PlantedRays rays_;
-    std::unique_ptr<Integrator> inner_;
-};
-
-void register_planted() {
-    auto& registry = transport::integrator_registry();
-    auto entry = *registry.find("path");
-    entry.name = "path-with-planted-rays";
-    entry.factory = [inner = entry.factory](const transport::SceneEntity& entity, std::optional<std::int64_t> max_depth)
-        -> raylex::Result<std::unique_ptr<transport::Integrator>> {
-        auto made = inner(entity, max_depth);
-        if (!made) return made.error();
-        return std::unique_ptr<transport::Integrator>(std::make_unique<PlantedPath>(*std::move(made)));
-    };
-    registry.add(std::move(entry));
-}
 
 /// Beauty and one channel for each number of reflections up to 8, and the light of each in the enclosure.
 std::vector<double> request_lengths(transport::RenderSettings& settings, double kd, double ks) {
@@ -155,7 +81,7 @@ TEST_CASE("roulette and splits by expected gain find the light of every length i
     const double kd = 0.5, ks = 0.3;
     const auto scene = transport::BuiltScene::build(scene_of(enclosure(kd, ks)));
     REQUIRE(scene.ok());
-    transport::RenderSettings settings = gain_settings(16, 256);
+    transport::RenderSettings settings = guided_settings(16, 256);
     const std::vector<double> values = request_lengths(settings, kd, ks);
     // Student's t with 7 degrees of freedom: beyond 9 by chance once in 20,000 comparisons.
     check_lengths(replicates(**scene, settings, static_cast<int>(values.size()), 8, 1), values, 9);
@@ -163,7 +89,7 @@ TEST_CASE("roulette and splits by expected gain find the light of every length i
 
 TEST_CASE("short renders are unbiased where survivors are rare and branches many",
           "[guide][gain][render][gate][statistical]") {
-    register_planted();
+    register_directed("path-with-planted-rays", "path", std::make_shared<PlantedRays>());
     const double kd = 0.5, ks = 0.3;
     const auto scene = transport::BuiltScene::build(scene_of(enclosure(kd, ks)));
     REQUIRE(scene.ok());
@@ -179,63 +105,50 @@ TEST_CASE("short renders are unbiased where survivors are rare and branches many
 
 TEST_CASE("roulette and splits by expected gain estimate the image of plain paths",
           "[guide][gain][render][gate][statistical]") {
-    for (const std::string& text : {room, foggy_room(), globe}) {
+    for (const std::string& text : {room, foggy_room(), lamp_in_globe(0.35, 0.2, 20)}) {
         const auto scene = transport::BuiltScene::build(scene_of(text));
         REQUIRE(scene.ok());
-        transport::RenderSettings settings = gain_settings(32, 64);
+        transport::RenderSettings settings = guided_settings(32, 64);
         settings.channels.list = {lpe_channel("direct", "C.L"), lpe_channel("indirect", "C..+L")};
         const Replicates by_gain = replicates(**scene, settings, 3, 12, 500);
         settings.paths.integrator = integrator_named("path");
         const Replicates plain = replicates(**scene, settings, 3, 12, 100);
         check_agreement(plain, by_gain, {"beauty", "direct", "indirect"});
-        settings.paths.integrator = gain_settings(32, 64, "throughput").paths.integrator;
+        settings.paths.integrator = guided_settings(32, 64).paths.integrator;
+        settings.paths.integrator->parameters.parameters.push_back(text_parameter("guideroulette", "throughput"));
         CHECK(replicates(**scene, settings, 3, 1, 500).mean(0) != by_gain.mean(0));
     }
 }
 
 TEST_CASE("renders by expected gain have the same bits for every number of threads", "[guide][gain][render][law3]") {
     const auto scene = scene_of(foggy_room());
-    transport::RenderSettings settings = gain_settings(8, 16);
+    transport::RenderSettings settings = guided_settings(8, 16);
     settings.machine.threads = 1;
     const auto one = render_of(scene, settings);
     CHECK(one.statistics.guide.used);
     CHECK(one.statistics.branches > 0);
     for (const int threads : {2, 3, 8}) {
         settings.machine.threads = threads;
-        CHECK((bits_of_frame(render_of(scene, settings)) == bits_of_frame(one)));
+        CHECK((frame_bits(render_of(scene, settings)) == frame_bits(one)));
     }
 }
 
 TEST_CASE("a resumed render by expected gain has the bits of a whole one", "[guide][gain][render][checkpoint][law3]") {
     const auto scene = scene_of(room);
-    transport::RenderSettings settings = gain_settings(8, 100);
-    transport::SceneEntity counted_path = counted("path");
-    for (const auto& each : settings.paths.integrator->parameters.parameters)
-        counted_path.parameters.parameters.push_back(each);
-    settings.paths.integrator = counted_path;
+    transport::RenderSettings settings = guided_settings(8, 100);
+    settings.paths.integrator = with_guide(counted("path"), "on", 8);
     const auto whole = render_of(scene, settings);
     CHECK(whole.statistics.branches > 0);
     const ScratchFile file;
-    settings.checkpoint = transport::CheckpointSettings{.file = file.path(), .seconds = 0.01};
-    for (int sessions = 1;; ++sessions) {
-        std::atomic<bool> stop{false};
-        interruption().begin(12'000, &stop);
-        auto output = transport::render(scene, settings, {}, &stop);
-        interruption().begin(0, nullptr);
-        REQUIRE(output.ok());
-        REQUIRE(sessions < 100);
-        settings.checkpoint->resume = true;
-        if (!output->samples.complete) continue;
-        CHECK(sessions > 2);
-        CHECK((bits_of_frame(*output) == bits_of_frame(whole)));
-        break;
-    }
+    const RenderInSessions found = render_in_sessions(scene, settings, 12'000, file.path());
+    CHECK(found.sessions > 2);
+    CHECK((frame_bits(found.output) == frame_bits(whole)));
 }
 
 TEST_CASE("layers of a render by expected gain sum to its beauty, and change nothing of it",
           "[guide][gain][render][law1][law2]") {
     const auto scene = scene_of(room);
-    transport::RenderSettings settings = gain_settings(8, 16);
+    transport::RenderSettings settings = guided_settings(8, 16);
     const auto alone = render_of(scene, settings);
     settings.channels.list = {lpe_channel("seen", "C[LBO]"), lpe_channel("direct", "C.[LBO]"),
                               lpe_channel("indirect", "C..+[LBO]"), lpe_channel("caustics", "C<RD><TS>+L")};

@@ -6,12 +6,12 @@
 
 #include "tests/support/paths.h"
 #include "tests/transport/materials_support.h"
+#include "transport/guide/guide_support.h"
 #include "transport/import/pbrt/pbrt_importer.h"
 #include "transport/paths/guide/direction_square.h"
 #include "transport/paths/guide/guide.h"
 #include "transport/paths/guide/guide_sums.h"
 #include "transport/render/stages/prepared_job.h"
-#include "transport/replicates.h"
 
 using namespace render_test;
 
@@ -148,20 +148,12 @@ std::vector<transport::Bsdf> guided_closures(const raylex::test::Frame& frame) {
     return closures;
 }
 
-transport::SceneEntity guided_path(int samples) {
-    transport::SceneEntity entity = path_with(text_parameter("guide", "on"));
-    entity.parameters.parameters.push_back(number_parameter("guidesamples", samples));
-    return entity;
-}
-
 /// The guide that a render of the scene with 72 x 72 pixels learns; null if no region of it is guided.
 transport::TrainedGuide learned(const transport::SceneDescription& description, int samples) {
     const auto scene = transport::BuiltScene::build(description);
     REQUIRE(scene.ok());
-    transport::RenderSettings settings;
-    settings.paths.integrator = guided_path(samples);
+    transport::RenderSettings settings = guided_settings(samples, 1);
     settings.film.resolution = {72, 72};
-    settings.machine.threads = 2;
     auto job = transport::ResolvedJob::resolve(**scene, settings);
     REQUIRE(job.ok());
     auto prepared = transport::PreparedJob::prepare(*std::move(job));

@@ -1,6 +1,6 @@
 // Renders whose paths a guide draws: the image stays what it is without the guide.
-#include "tests/transport/interrupted_render.h"
 #include "transport/enclosure.h"
+#include "transport/guide/guide_support.h"
 #include "transport/paths/guide/guide_view.h"
 #include "transport/render/stages/prepared_job.h"
 
@@ -8,45 +8,8 @@ using namespace render_test;
 
 namespace {
 
-transport::SceneEntity with_guide(transport::SceneEntity entity, const std::string& mode, int samples) {
-    entity.parameters.parameters.push_back(text_parameter("guide", mode));
-    if (samples > 0) entity.parameters.parameters.push_back(number_parameter("guidesamples", samples));
-    return entity;
-}
-
-transport::RenderSettings guided_settings(int samples, std::uint64_t per_pixel, const std::string& method = "path") {
-    transport::RenderSettings settings;
-    settings.paths.integrator = with_guide(integrator_named(method), "on", samples);
-    settings.samples.per_pixel = per_pixel;
-    settings.machine.threads = 2;
-    return settings;
-}
-
-std::string frame_bits(const transport::RenderOutput& output) {
-    std::string bytes;
-    output.frame_buffer.append_record(bytes);
-    return bytes;
-}
-
-/// A closed box with a small lamp in a globe of glass, which no light sample passes.
-const std::string lamp_in_glass = film + R"(
-Integrator "path" "integer maxdepth" 6
-LookAt 0 1 3.9  0 1 0  0 1 0
-Camera "perspective" "float fov" 39
-WorldBegin
-Material "diffuse" "rgb reflectance" [0.6 0.6 0.6]
-Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-1 0 4 1 0 4 1 0 -1 -1 0 -1]
-Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-1 2 -1 1 2 -1 1 2 4 -1 2 4]
-Shape "bilinearmesh" "point3 P" [-1 0 -1 1 0 -1 -1 2 -1 1 2 -1]
-Shape "bilinearmesh" "point3 P" [-1 0 4 1 0 4 -1 2 4 1 2 4]
-Shape "bilinearmesh" "point3 P" [-1 0 -1 -1 0 4 -1 2 -1 -1 2 4]
-Shape "bilinearmesh" "point3 P" [1 0 -1 1 0 4 1 2 -1 1 2 4]
-AttributeBegin Translate 0.1 1.3 0.2
-  AttributeBegin Material "dielectric" Shape "sphere" "float radius" 0.3 AttributeEnd
-  AreaLightSource "diffuse" "rgb L" [60 60 60]
-  Shape "sphere" "float radius" 0.12
-AttributeEnd
-)";
+/// A small lamp, whose light is rare.
+const std::string lamp_in_glass = lamp_in_globe(0.3, 0.12, 60);
 
 }  // namespace
 
@@ -158,25 +121,11 @@ TEST_CASE("a guided render in many sessions has the bits of one that was never i
     const auto whole = render_of(scene, settings);
     CHECK(whole.statistics.guide.used);
     const ScratchFile file;
-    settings.checkpoint = transport::CheckpointSettings{.file = file.path(), .seconds = 0.01};
-    for (int sessions = 1;; ++sessions) {
-        std::atomic<bool> stop{false};
-        settings.machine.threads = 1 + sessions % 3;
-        interruption().begin(2'000, &stop);
-        auto output = transport::render(scene, settings, {}, &stop);
-        interruption().begin(0, nullptr);
-        REQUIRE(output.ok());
-        REQUIRE(sessions < 100);
-        if (!output->samples.complete) {
-            settings.checkpoint->resume = true;
-            continue;
-        }
-        CHECK(sessions > 20);  // the threads leave their batches at once, so sessions differ a little
-        const auto record = raylex::display::RecordFileReader::open(file.path());
-        CHECK((record.ok() && record->has("guide")));
-        CHECK((frame_bits(*output) == frame_bits(whole)));
-        break;
-    }
+    const RenderInSessions found = render_in_sessions(scene, settings, 2'000, file.path());
+    CHECK(found.sessions > 20);  // the threads leave their batches at once, so sessions differ a little
+    const auto record = raylex::display::RecordFileReader::open(file.path());
+    CHECK((record.ok() && record->has("guide")));
+    CHECK((frame_bits(found.output) == frame_bits(whole)));
 }
 
 TEST_CASE("the training takes an eighth of the samples of the whole render, in each shard", "[guide][render][law3]") {

@@ -3,8 +3,8 @@
 #include <numbers>
 
 #include "tests/transport/materials_support.h"
+#include "transport/directed_integrator.h"
 #include "transport/enclosure.h"
-#include "transport/integrators/integrator.h"
 
 using namespace render_test;
 
@@ -50,45 +50,10 @@ class UniformMixture final : public transport::DirectionSampler {
     static Real closure_share(TransportMode mode) { return mode == TransportMode::radiance ? 0.5f : 0.75f; }
 };
 
-/// An integrator that is prepared with a sampler of directions.
-class Guided final : public transport::Integrator {
-  public:
-    explicit Guided(std::unique_ptr<Integrator> inner) : inner_(std::move(inner)) {}
-    [[nodiscard]] transport::IntegratorTraits traits() const override { return inner_->traits(); }
-    raylex::Status prepare(const transport::IntegratorContext& context) override {
-        transport::IntegratorContext guided = context;
-        guided.directions = &mixture_;
-        return inner_->prepare(guided);
-    }
-    [[nodiscard]] std::unique_ptr<transport::IntegratorThread> make_thread_state() const override {
-        return inner_->make_thread_state();
-    }
-    void integrate(const transport::CameraBatch& batch, transport::IntegratorThread& thread,
-                   transport::ThreadServices& services) const override {
-        inner_->integrate(batch, thread, services);
-    }
-
-  private:
-    UniformMixture mixture_;
-    std::unique_ptr<Integrator> inner_;
-};
-
 /// Registers "guided-NAME" for each method. Parameters are those of the method.
 void register_guided() {
-    auto& registry = transport::integrator_registry();
-    for (const char* name : {"path", "lighttracer", "bdpt"}) {
-        auto entry = *registry.find(name);
-        entry.name = std::string("guided-") + name;
-        entry.factory =
-            [inner = entry.factory](
-                const transport::SceneEntity& entity,
-                std::optional<std::int64_t> max_depth) -> raylex::Result<std::unique_ptr<transport::Integrator>> {
-            auto made = inner(entity, max_depth);
-            if (!made) return made.error();
-            return std::unique_ptr<transport::Integrator>(std::make_unique<Guided>(*std::move(made)));
-        };
-        registry.add(std::move(entry));
-    }
+    for (const std::string name : {"path", "lighttracer", "bdpt"})
+        register_directed("guided-" + name, name, std::make_shared<UniformMixture>());
 }
 
 transport::RenderSettings by(const std::string& integrator, std::uint64_t samples) {
