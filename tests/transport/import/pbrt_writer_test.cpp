@@ -16,7 +16,7 @@ using namespace raylex::transport;
 
 namespace {
 
-SceneDescription read(const std::string& path) {
+SceneDescription scene_in_file(const std::string& path) {
     auto scene = import_pbrt(path);
     if (!scene) FAIL(scene.error().to_string());
     return std::move(*scene);
@@ -27,7 +27,7 @@ SceneDescription again(const SceneDescription& scene, const Folder& folder) {
     const auto written = write_pbrt(scene, folder.path("again.pbrt"));
     if (!written) FAIL(written.error().to_string());
     CHECK(written->empty());
-    return read(folder.path("again.pbrt"));
+    return scene_in_file(folder.path("again.pbrt"));
 }
 
 std::vector<double> image_of(const SceneDescription& scene) {
@@ -50,7 +50,7 @@ TEST_CASE("pbrt writer: the project's scenes are read unchanged", "[pbrt-writer]
         if (!fs::exists(file)) continue;
         INFO(file.string());
         ++scenes;
-        const SceneDescription scene = read(file.string());
+        const SceneDescription scene = scene_in_file(file.string());
         const SceneDescription twin = again(scene, folder);
         CHECK(scene_hash(twin) == scene_hash(scene));
         CHECK((image_of(twin) == image_of(scene)));
@@ -160,7 +160,7 @@ TEST_CASE("pbrt writer: settings of cameras and films are kept in scenes without
     const Folder folder;
     const auto comes_back = [&](const std::string& text) {
         folder.write("scene.pbrt", text);
-        const SceneDescription scene = read(folder.path("scene.pbrt"));
+        const SceneDescription scene = scene_in_file(folder.path("scene.pbrt"));
         const SceneDescription twin = again(scene, folder);
         CHECK(scene_hash(twin) == scene_hash(scene));
         CHECK(twin.transform_times == scene.transform_times);
@@ -181,7 +181,7 @@ TEST_CASE("pbrt writer: settings of cameras and films are kept in scenes without
     )";
     // Files set a scene's space at their film; code sets it separately.
     folder.write("scene.pbrt", in_code_only);
-    SceneDescription scene = read(folder.path("scene.pbrt"));
+    SceneDescription scene = scene_in_file(folder.path("scene.pbrt"));
     scene.color.scene_space = ColorSpace::rec2020;
     CHECK(again(scene, folder).color.scene_space == ColorSpace::rec2020);
 }
