@@ -9,7 +9,7 @@ using namespace render_test;
 
 namespace {
 
-transport::RenderSettings shared_guide(const std::string& file, const std::string& mode = "on", int samples = 8) {
+transport::RenderSettings shared_guide(const std::string& file, const std::string& mode = "on", int samples = 16) {
     transport::RenderSettings settings = guided_settings(samples, 16);
     settings.paths.integrator = with_guide(integrator_named("path"), mode, samples);
     settings.paths.guide_file = file;

@@ -135,8 +135,8 @@ TEST_CASE("renders by expected gain have the same bits for every number of threa
 
 TEST_CASE("a resumed render by expected gain has the bits of a whole one", "[guide][gain][render][checkpoint][law3]") {
     const auto scene = scene_of(room);
-    transport::RenderSettings settings = guided_settings(8, 100);
-    settings.paths.integrator = with_guide(counted("path"), "on", 8);
+    transport::RenderSettings settings = guided_settings(16, 100);
+    settings.paths.integrator = with_guide(counted("path"), "on", 16);
     const auto whole = render_of(scene, settings);
     CHECK(whole.statistics.branches > 0);
     const ScratchFile file;

@@ -16,22 +16,27 @@ using transport::Bsdf;
 using transport::Rgb;
 using transport::Vec3;
 
-/// A guide whose regions prefer directions near `spot`, with a probability of a quarter.
+/// A guide whose regions prefer directions near `spot`, and any before the surface.
 transport::Guide towards(const Vec3& normal, const Vec3& spot) {
-    const transport::GuideTree tree({{0, 0, 0}, {1, 1, 1}});
-    transport::GuideSums sums(tree, 0);
+    transport::GuideTree tree({{0, 0, 0}, {1, 1, 1}});
     Random random(1);
-    for (int i = 0; i < 2000; ++i) {
-        const Vec3 around = transport::sample_uniform_sphere(random.two());
-        sums.add({.position = {0.5f, 0.5f, 0.5f},
-                  .normal = normal,
-                  .direction = normalize(spot + around * transport::Real(0.3)),
-                  .square = 1,
-                  .density = 1,
-                  .chance = 1,
-                  .key = static_cast<std::uint64_t>(i)});
+    for (int round = 0; round < 6; ++round) {
+        transport::GuideSums sums(tree, 0);
+        for (int i = 0; i < 2000; ++i) {
+            const Vec3 around = transport::sample_uniform_sphere(random.two());
+            // Half of the light comes from everywhere before the surface, so the coat keeps a share.
+            sums.add({.position = {0.5f, 0.5f, 0.5f},
+                      .normal = normal,
+                      .direction =
+                          i % 2 == 0 ? normalize(spot + around * transport::Real(0.45)) : normalize(normal + around),
+                      .square = 1,
+                      .density = 1,
+                      .chance = 1,
+                      .key = static_cast<std::uint64_t>(i)});
+        }
+        tree = refined(sums, {.finds = 10'000, .nodes = 10'000});
     }
-    return transport::Guide(refined(sums, {.finds = 10'000, .nodes = 10'000}));
+    return transport::Guide(std::move(tree));
 }
 
 template <class Base>
@@ -114,9 +119,9 @@ TEST_CASE("a guide's samples of coats have the means of the coats' own samples",
         CAPTURE(near_spot, guided.mean, guided.standard_error, own.mean, own.standard_error);
         const double error = std::hypot(guided.standard_error, own.standard_error);
         CHECK(std::abs(guided.mean - own.mean) < 4.5 * error);
-        // Pbrt's values are 9 % too large under the rough coats; the guide draws a quarter of the directions.
-        CHECK(error < 0.02 / 4.5 * own.mean);
-        if (near_spot) CHECK(guided.standard_error < own.standard_error);
+        // Pbrt's values are 9 % too large under the rough coats, and the guide draws most directions near the spot.
+        CHECK(error < (near_spot ? 0.07 : 0.02) / 4.5 * own.mean);
+        if (near_spot) CHECK(guided.standard_error < 0.95 * own.standard_error);
     }
 }
 

@@ -116,7 +116,7 @@ TEST_CASE("a guided render in many sessions has the bits of one that was never i
           "[guide][render][checkpoint][law3]") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings;
-    settings.paths.integrator = with_guide(counted("path"), "on", 8);
+    settings.paths.integrator = with_guide(counted("path"), "on", 16);
     settings.samples.per_pixel = 200;
     const auto whole = render_of(scene, settings);
     CHECK(whole.statistics.guide.used);
