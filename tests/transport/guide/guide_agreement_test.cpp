@@ -31,7 +31,7 @@ const std::vector<ComparedScene> quiet_scenes{
     {"cornell-grey", 64, 16, true, 0.005},
 };
 const std::vector<ComparedScene> noisy_scenes{
-    {"cornell-color", 64, 16, true, 0.005}, {"cornell-fog", 1024, 16, true, 0.005},
+    {"cornell-color", 64, 16, true, 0.005}, {"cornell-fog", 1280, 16, true, 0.005},
     {"mis-plates", 2048, 16, true, 0.007},  // sharp reflections of small bright lamps; 0.5 % takes 7 CPU minutes
     {"still-life", 512, 512, true, 0.005},  {"sky-image", 512, 512, true, 0.005},
 };
