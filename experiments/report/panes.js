@@ -80,7 +80,8 @@ const raylexPanes = (root, { width, height, cursor, wheel = 'always' }) => {
       const left = i * (cell + gap) + (cell - w) / 2, top = at.h + gap + 2 + (room - h) / 2;
       context.imageSmoothingEnabled = false;
       if (full.canvas)
-        context.drawImage(full.canvas, inset.x, inset.y, inset.w, inset.h, left * ratio, top * ratio, w * ratio, h * ratio);
+        context.drawImage(full.canvas, inset.x / full.level, inset.y / full.level, inset.w / full.level,
+          inset.h / full.level, left * ratio, top * ratio, w * ratio, h * ratio);
       frame(context, ratio, left, top, w, h, inset.color, 3);
     });
   };

@@ -139,8 +139,10 @@ Result<bool> ShardRender::is_done(const transport::RenderPlan& plan, std::string
                                   " there, " + std::to_string(range_.first) + " to " + std::to_string(range_.end - 1) +
                                   " here");
     } catch (const std::exception& error) {
-        warning = "this shard is rendered again: the record's image is damaged: " + std::string(error.what());
-        return false;
+        if (differences.empty()) {
+            warning = "this shard is rendered again: the record's image is damaged: " + std::string(error.what());
+            return false;
+        }
     }
     if (differences.empty()) return true;
     std::string message = "this record belongs to another render";
@@ -169,7 +171,7 @@ Status ShardRender::write(const std::string& path, const transport::RenderOutput
                                statistics.invalid_samples,
                                statistics.render_seconds,
                                statistics.render_cpu_seconds,
-                               statistics.guide.samples,
+                               statistics.guide.repeated(),
                                statistics.guide.cpu_seconds};
     const display::PixelImage& pixels = output.image();
     const auto bands =

@@ -35,8 +35,9 @@ class DirectionSampler {
     }
 
     /// Samples the direction in which a path of `mode` that arrived from point.wo continues; u_lobe and u are in [0,
-    /// 1). For a direction with a density, `pdf` must equal pdf() of the rounded `wi`. The walk evaluates the closure
-    /// for `wi`, unless the result is_weighed; then `weight` and `lobes` are those of the sample. A specular direction
+    /// 1). For a direction with a density, `pdf` must equal pdf() of the rounded `wi`, which is the density of the
+    /// draw, except where BsdfSample::drawn_over_pdf is not 1. The walk evaluates the closure for `wi`, unless the
+    /// result is_weighed; then `weight` and `lobes` are those of the sample. A specular direction
     /// (`delta`) must be a sample of the closure: its pdf is multiplied, and its weight divided, by the probability of
     /// sampling the closure. If pdf is 0, the path ends.
     [[nodiscard]] virtual BsdfSample sample(const Bsdf& bsdf, const SurfacePoint& point, TransportMode mode,

@@ -234,7 +234,8 @@ class Walk {
     [[nodiscard]] std::uint64_t planned_state(std::uint32_t row) const;
     static Real take_branch(Subpath& path, SplitState& split, const BsdfSample& s);
     [[gnu::always_inline]] inline bool goes_on(std::uint32_t row);
-    void pass_vertex(std::uint32_t row, const Bsdf& bsdf, const BsdfSample& s, Real arrived);
+    /// `rays`: expected number, where path.pdf does not include it.
+    void pass_vertex(std::uint32_t row, const Bsdf& bsdf, const BsdfSample& s, Real arrived, Real rays);
     void reject(std::uint32_t row);
 
     const DepthLimit depth_limit_;

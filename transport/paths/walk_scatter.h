@@ -149,7 +149,8 @@ bool Walk<mode>::goes_on(std::uint32_t row) {
 }
 
 template <TransportMode mode>
-[[gnu::noinline]] void Walk<mode>::pass_vertex(std::uint32_t row, const Bsdf& bsdf, const BsdfSample& s, Real arrived) {
+[[gnu::noinline]] void Walk<mode>::pass_vertex(std::uint32_t row, const Bsdf& bsdf, const BsdfSample& s, Real arrived,
+                                               Real rays) {
     const Subpath& path = paths_[row];
     later_->pass({.row = row,
                   .depth = path.depth,
@@ -164,7 +165,7 @@ template <TransportMode mode>
                   .direction = s.wi,
                   .normal = path.from_normal,
                   .chance = s.pdf * s.drawn_over_pdf,
-                  .pdf = path.pdf * s.drawn_over_pdf});
+                  .pdf = path.pdf * s.drawn_over_pdf * (s.delta ? Real(1) : rays)});
 }
 
 /// Counts and logs a throughput that is NaN or infinite (Law 6).
@@ -236,8 +237,10 @@ bool Walk<mode>::scatter_vertex(std::size_t j, [[maybe_unused]] std::uint32_t br
     if (path.beta.is_black() || !survives_roulette<planned>(row, dimensions.of(depth, dimensions.roulette)) ||
         !goes_on(row))
         return false;
-    if (rays != 1 && !path.specular) path.pdf *= rays;
-    if (mode == TransportMode::radiance && later_ != nullptr) pass_vertex(row, bsdf, s, arrived);
+    const bool weighs_rays = planned && !path.specular && !bsdf.is_biased();  // CameraSubpaths::expected_rays()
+    if (weighs_rays) path.pdf *= rays;
+    if (mode == TransportMode::radiance && later_ != nullptr)
+        pass_vertex(row, bsdf, s, arrived, weighs_rays ? 1 : rays);
     if (options_.densities) {
         const Real reverse = s.delta ? 1 : direction_density<reverse_mode>(directions, bsdf, point, s.wi, point.wo);
         mis_weights_[row].leave(s.delta, static_cast<double>(reverse), static_cast<double>(point.cosine(s.wi)));

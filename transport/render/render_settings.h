@@ -101,7 +101,7 @@ struct PathSettings {
     /// train; otherwise the render writes it after the training. The image has the same bits (Law 3). The file of
     /// another render, a damaged file and an integrator that learns no guide are Errors.
     std::string guide_file{};
-    bool guide_view = false;  ///< makes RenderStatistics::guide_view
+    bool guide_view = false;  ///< if a guide is used, the render also makes RenderStatistics::guide_view
 };
 
 /// The conversion of paths to path strings for light path expressions.

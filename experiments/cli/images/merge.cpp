@@ -94,7 +94,7 @@ int merge_records(const ImageMergeOptions& options, const std::vector<std::strin
                counted(merged->shards, "shard") + ", " + std::to_string(facts.range.total) + " samples per pixel, " +
                duration_text(facts.cpu_seconds) + " CPU in total" +
                (facts.guide_samples > 0
-                    ? ", and a guide from " + counted(facts.guide_samples, "sample") + " of each pixel"
+                    ? "; the guide learned from " + counted(facts.guide_samples, "other sample") + " of each pixel"
                     : std::string()) +
                (facts.guide_cpu_seconds > 0 ? " (" + duration_text(facts.guide_cpu_seconds) + " CPU)" : std::string()));
     return code;

@@ -49,8 +49,10 @@ class RenderRun {
     int run() {
         at_once_.emplace("raylex: interrupted before anything was rendered; no file was written\n");
         if (Status possible = begin_passes(job_); !possible) return report_error(possible.error());
-        if (job_.guide_only && (job_.settings.paths.guide_file.empty() || job_.shard || job_.resume))
-            return report_error("--guide-only needs --guide-file FILE, and excludes --shard and --resume");
+        if (job_.guide_only && (job_.settings.paths.guide_file.empty() || job_.shard || job_.resume ||
+                                job_.settings.samples.only || !job_.statistics.empty()))
+            return report_error(
+                "--guide-only needs --guide-file FILE, and excludes --shard, --resume, --replay and --stats");
         if (job_.shard) return run_shard();
         if (job_.settings.samples.only || job_.guide_only) {
             for (std::optional<int> (RenderRun::*step)() : {&RenderRun::load, &RenderRun::build, &RenderRun::plan})
@@ -319,7 +321,7 @@ class RenderRun {
         for (const std::string& warning : outputs_.take_warnings()) warn(warning);
         if (job_.guide_only && !at_once_) {
             if (!fs::exists(job_.settings.paths.guide_file)) return exit_does_not_hold;  // a warning has the reason
-            print_line(job_.settings.paths.guide_file + ": the guide of this render");
+            print_line(job_.settings.paths.guide_file + ": what the training found for this render");
             return exit_holds;
         }
         if (shard_is_done_) {

@@ -75,9 +75,9 @@ const raylexGuide = (section, page) => {
     const bytes = known ? maps.subarray((region - 1) * cells, region * cells) : null;
     const most = Math.max(...discs.map((canvas, i) => draw(canvas, bytes, i ? 1 : -1)));
     const where = `(${x * page.block}, ${y * page.block})`;
-    answer.textContent = !region ? `At ${where} is nothing that a guide can change.`
+    answer.textContent = !region ? `At ${where} the path met no surface that can be guided.`
       : `At ${where} the guide draws a direction with probability ${probabilityOf(region)}.` + (known
-        ? ` Directions that it prefers, up to ${raylexPixels.digits(most)} times a uniform density:`
+        ? ` The density of its directions, at most ${raylexPixels.digits(most)} times the uniform one:`
         : ' The statistics file does not have its directions, because few pixels see this region.');
     section.dataset.guide = `${region} ${most}`;
   };

@@ -40,7 +40,7 @@ TEST_CASE("one command trains for all shards, and they merge to the bits of one 
     const GuidedFolder folder;
     const std::string render = "render guided.toml -o out.exr --guide-file ours.guide";
     CHECK_FALSE(contains(folder.good("render guided.toml -o whole.exr").out, "read from a file"));
-    CHECK(contains(folder.good(render + " --guide-only").out, "ours.guide: the guide of this render"));
+    CHECK(contains(folder.good(render + " --guide-only").out, "ours.guide: what the training found for this render"));
     CHECK_FALSE(folder.has("out.exr"));
     const std::string bytes = folder.read("ours.guide");
     for (const char* part : {" --shard 1/2 --stats 1.json", " --shard 2/2 --threads 2 --stats 2.json"})
@@ -55,7 +55,7 @@ TEST_CASE("one command trains for all shards, and they merge to the bits of one 
     }
     // No shard trained, so the training is in no sum of theirs.
     CHECK(contains(folder.good("merge --shards 2 -o out.exr").out,
-                   "CPU in total, and a guide from 8 samples of each pixel\n"));
+                   "CPU in total; the guide learned from 8 other samples of each pixel\n"));
     CHECK((image_bits(folder.path("out.exr")) == image_bits(folder.path("whole.exr"))));
     // Its first shard trains.
     const std::string first = "render guided.toml -o b.exr --guide-file b.guide";
@@ -63,7 +63,8 @@ TEST_CASE("one command trains for all shards, and they merge to the bits of one 
     CHECK_FALSE(parse_json(folder.read("1.json"))["guide"].contains("read"));
     CHECK(parse_json(folder.read("1.json"))["rays"]["pilot"] > 0);
     (void)folder.good(first + " --shard 2/2");
-    CHECK(matches(folder.good("merge --shards 2 -o b.exr").out, "[^]*and a guide from 8 samples[^\\n]* CPU\\)\n"));
+    CHECK(matches(folder.good("merge --shards 2 -o b.exr").out,
+                  "[^]*the guide learned from 8 other samples[^\\n]* CPU\\)\n"));
     CHECK((image_bits(folder.path("b.exr")) == image_bits(folder.path("whole.exr"))));
     CHECK((folder.read("b.guide") == bytes));
     // A render that reads, and a second training that finds the file.
@@ -126,8 +127,9 @@ TEST_CASE("guide files that cannot be used are refused by name", "[guide][law7]"
     const GuidedFolder folder;
     const std::string render = "render guided.toml -o out.exr --guide-file ";
     (void)folder.good(render + "ours.guide --guide-only");
-    check_refused(folder, render + "ours.guide --seed 1",
-                  {"ours.guide", "it belongs to another render", "seed: 0 there, 1 here", "remove the file"});
+    check_refused(
+        folder, render + "ours.guide --seed 1",
+        {"ours.guide", "it belongs to another render", "seed: 0 there, 1 here", "a name that does not exist yet"});
     check_refused(folder, render + "ours.guide --spp 256 --shard 1/2", {"training: 8 samples", "32 samples of each"});
     folder.write("other.pbrt", folder.read("room.pbrt") + "\nLightSource \"point\"\n");
     folder.write("other.toml",

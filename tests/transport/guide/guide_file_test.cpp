@@ -117,7 +117,8 @@ TEST_CASE("the guide of another render is refused with the difference", "[guide]
     const transport::RenderSettings first = shared_guide(file.path(), "on", 0);
     render_of(scene, first);
     const std::string bytes = file.bytes();
-    check_unusable(scene_of(room + "LightSource \"point\"\n"), first, {"another render", "scene: ", "remove the file"});
+    check_unusable(scene_of(room + "LightSource \"point\"\n"), first,
+                   {"another render", "scene: ", "a name that does not exist yet"});
     transport::RenderSettings settings = first;
     settings.samples.seed = 1;
     check_unusable(scene, settings, {"seed: 0 there, 1 here"});
@@ -153,7 +154,7 @@ TEST_CASE("a damaged guide file is refused at every byte", "[guide][render][law7
                                    bytes.size() - 9, bytes.size() - 1}) {
         CAPTURE(size);
         file.write(bytes.substr(0, size));
-        check_unusable(scene, settings, {"cannot use this guide file", "remove the file"});
+        check_unusable(scene, settings, {"cannot use this guide file", "a name that does not exist yet"});
     }
     // One flipped bit in the magic number, the version, the identity, the guide and the last checksum.
     for (const std::size_t at :

@@ -1,9 +1,11 @@
 // A guide at coated surfaces (Bsdf::can_be_guided), whose pdf() is not the density of their samples, and whose values
 // have pbrt's bias under rough coats.
+#include "tests/transport/directed_integrator.h"
 #include "tests/transport/materials_support.h"
 #include "transport/guide/guide_support.h"
 #include "transport/paths/guide/guide.h"
 #include "transport/paths/guide/guide_sums.h"
+#include "transport/paths/scattering.h"
 
 using namespace render_test;
 
@@ -68,6 +70,48 @@ Bsdf coat_of_kind(int kind, std::uint32_t key) {
             return coated(metal, 0.4f, true, key);
     }
 }
+
+/// Directions of closures, and a planned number of rays.
+class EqualRays final : public transport::DirectionSampler {
+  public:
+    explicit EqualRays(transport::Real rays) : rays_(rays) {}
+    [[nodiscard]] bool plans_rays() const override { return true; }
+    [[nodiscard]] transport::Real rays(const Bsdf& bsdf, const transport::SurfacePoint& point,
+                                       transport::Real throughput) const override {
+        static_cast<void>(bsdf), static_cast<void>(point), static_cast<void>(throughput);
+        return rays_;
+    }
+    [[nodiscard]] transport::BsdfSample sample(const Bsdf& bsdf, const transport::SurfacePoint& point,
+                                               transport::TransportMode mode, transport::Real u_lobe,
+                                               const transport::Vec2& u) const override {
+        static_cast<void>(mode);
+        auto s = transport::sample_scattering<transport::TransportMode::radiance>(bsdf, point, u_lobe, u);
+        s.is_weighed = true;
+        return s;
+    }
+    [[nodiscard]] transport::Real pdf(const Bsdf& bsdf, const transport::SurfacePoint& point,
+                                      transport::TransportMode mode, const Vec3& to,
+                                      transport::Real closure_pdf) const override {
+        static_cast<void>(bsdf), static_cast<void>(point), static_cast<void>(mode), static_cast<void>(to);
+        return closure_pdf;
+    }
+
+  private:
+    transport::Real rays_;
+};
+
+/// A floor with a rough coat close below a wide lamp, which light samples and scattered rays find about equally.
+const std::string floor_below_lamp = film + R"(
+Integrator "path" "integer maxdepth" 1
+LookAt 0 1 3  0 0.2 0  0 1 0
+Camera "perspective" "float fov" 20
+WorldBegin
+Material "coateddiffuse" "rgb reflectance" [0.8 0.8 0.8] "float roughness" 0.4 "bool remaproughness" false
+Shape "bilinearmesh" "point3 P" [-1 0 -1  1 0 -1  -1 0 1  1 0 1]
+Material "diffuse" "rgb reflectance" [0 0 0]
+AreaLightSource "diffuse" "rgb L" [1 1 1]
+Shape "bilinearmesh" "point3 P" [-2 0.8 -2  2 0.8 -2  -2 0.8 2  2 0.8 2]
+)";
 
 /// The lamp in glass and a lamp before the ceiling, in a room of a rough coat, a smooth one, and coated metal.
 std::string coated_room() {
@@ -142,6 +186,27 @@ TEST_CASE("at rough coats of pbrt a guide leaves the weights of light samples", 
             const auto s = guide.sample(bsdf, point, radiance, random.one(), random.two());
             if (s.pdf > 0) CHECK(s.pdf == guide.pdf(bsdf, point, radiance, s.wi, bsdf.pdf(point.wo, s.wi)));
         }
+    }
+}
+
+TEST_CASE("the number of rays leaves the mean of rough coats of pbrt", "[guide][materials][render][statistical]") {
+    const auto scene = transport::BuiltScene::build(scene_of(floor_below_lamp));
+    REQUIRE(scene.ok());
+    transport::RenderSettings settings;
+    settings.samples.per_pixel = 64;
+    settings.machine.threads = 2;
+    settings.paths.integrator = integrator_named("path");
+    const Estimate plain = replicates(**scene, settings, 1, 24, 100).channel(0);
+    for (const transport::Real rays : {transport::Real(0.1), transport::Real(6)}) {
+        register_directed("planted-rays", "path", std::make_shared<EqualRays>(rays));
+        settings.paths.integrator = integrator_named("planted-rays");
+        settings.samples.per_pixel = rays < 1 ? 512 : 64;  // few rays are noisy
+        const Estimate planted = replicates(**scene, settings, 1, 24, 500).channel(0);
+        CAPTURE(rays, plain.mean, plain.error, planted.mean, planted.error);
+        // Student's t with 23 degrees of freedom: beyond 4.5 once in 6,000 comparisons.
+        CHECK(std::abs(plain.mean - planted.mean) < 4.5 * std::hypot(plain.error, planted.error));
+        // Light samples alone are 9 % too bright, so the mean changes by about 4 % where weights depend on rays.
+        CHECK(std::hypot(plain.error, planted.error) < 0.015 / 4.5 * plain.mean);
     }
 }
 

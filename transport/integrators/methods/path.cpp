@@ -83,7 +83,7 @@ void PathIntegrator::integrate(const CameraBatch& batch, IntegratorThread& state
                              [&](std::size_t j, const LightSample& sample, const BsdfEvaluation& f) {
                                  if (sample.delta || parameters_.strategy != PathStrategy::mis) return Real(1);
                                  // The walk multiplies path.pdf by the same factor once the ray is drawn.
-                                 const Real rays = camera.expected_rays(camera.vertices().rows[j]);
+                                 const Real rays = camera.expected_rays(j);
                                  return power_heuristic(sample.pdf, rays * f.pdf);  // Veach 1997, equation 9.13
                              });
         thread.connections.report(camera);

@@ -85,8 +85,8 @@ struct BsdfSample {
     /// Of a DirectionSampler: its density over the closure's. Roulette multiplies the throughput by it, since a
     /// direction that is drawn more often than by the closure is no less worth following.
     Real favoured = 1;
-    /// Of a DirectionSampler: the density with which the direction was drawn, over `pdf`, which weighs light samples
-    /// against it.
+    /// Of a DirectionSampler: the density with which the direction was drawn, divided by `pdf`. It differs from 1 only
+    /// where `pdf` is a weight and not the density.
     Real drawn_over_pdf = 1;
 };
 

@@ -38,10 +38,9 @@ class Bsdf {
             return LambertClosure::pdf(frame_, wo, wi);
         return pdf_other(wo, wi);
     }
-    /// Whether another sampler may draw directions beside sample(): evaluate(), without_bias(), finds all
-    /// light that sample() finds, and pdf() is a function of the directions. It need not be the density of sample()
-    /// (layered closures). False for closures of plugins, which may be stochastic, and for coats over smooth metals
-    /// (layered.h).
+    /// Whether another sampler may draw directions beside sample(). It may if evaluate() of without_bias() finds the
+    /// light that sample() finds, and pdf() depends on the directions alone; pdf() need not be the density of sample().
+    /// False for closures of plugins, which may be stochastic, and for coats over smooth metals (layered.h).
     [[nodiscard]] bool can_be_guided() const {
         if (const auto* coated = std::get_if<LayeredClosure<ConductorClosure>>(&closure_))
             return coated->base.has_density();
@@ -53,7 +52,7 @@ class Bsdf {
         const auto* diffuse = std::get_if<LayeredClosure<LambertClosure>>(&closure_);
         const auto* metal = std::get_if<LayeredClosure<ConductorClosure>>(&closure_);
         const CoatLayer* coat = diffuse != nullptr ? &diffuse->coat : metal != nullptr ? &metal->coat : nullptr;
-        return coat != nullptr && coat->as_pbrt && !coat->interface.is_delta();
+        return coat != nullptr && coat->as_pbrt && !coat->interface.facets.smooth();
     }
     /// The same closure with values that are unbiased, and a pdf() whose integral is at most about 1.
     [[nodiscard]] Bsdf without_bias() const;

@@ -83,7 +83,7 @@ BsdfSample Guide::sample(const Bsdf& bsdf, const SurfacePoint& point, TransportM
 Real Guide::pdf(const Bsdf& bsdf, const SurfacePoint& point, TransportMode mode, const Vec3& to,
                 Real closure_pdf) const {
     const GuideTree::Region* region = region_of(bsdf, point, mode);
-    // Light samples keep the weight that they have without a guide where it decides how much of a bias is seen.
+    // At biased closures the weights decide the mean, so they stay those without a guide.
     if (region == nullptr || bsdf.is_biased()) return closure_pdf;
     return mixed(region->share, tree_.density(*region, to), closure_pdf);
 }

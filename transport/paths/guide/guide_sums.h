@@ -74,7 +74,7 @@ class GuideSums {
 struct GuideLimits {
     std::uint64_t finds = 0;  ///< records with light above which a region is halved
     std::size_t nodes = 0;    ///< of all quadtrees; regions stay larger where more would be needed
-    bool final = false;       ///< each region gets the share that is expected to pay; otherwise a half
+    bool final = false;       ///< each region gets the share that is expected to pay; otherwise at least a quarter
     double cost = 1;          ///< of a vertex whose direction a guide may draw, over that of one without a guide
 };
 

@@ -40,8 +40,11 @@ class CameraSubpaths : public Walk<TransportMode::radiance> {
         paths_[row].lights = lights;
         if (!shares_.empty()) shares_[row] = shares;
     }
-    /// The expected number of rays that leave the vertex of a row in directions with a density.
-    [[nodiscard]] Real expected_rays(std::uint32_t row) const {
+    /// The expected number of rays that leave vertex j in directions with a density and compete with light samples. 1
+    /// at biased closures, where the weights decide the mean.
+    [[nodiscard]] Real expected_rays(std::size_t j) const {
+        if (vertices().bsdfs[j].is_biased()) return 1;
+        const std::uint32_t row = vertices().rows[j];
         const Real rays = splits_.empty() ? 1 : splits_[row].expected;
         return shares_.empty() ? rays : shares_[row].ray * rays;
     }

@@ -25,10 +25,9 @@ namespace {
 constexpr int tile_side = 8;
 constexpr std::uint64_t paths_of_training = 1u << 23;  // unless fewer are an eighth of the render
 constexpr std::uint64_t fewest_samples = 4;            // of a pixel: fewer do not show what pays
-// `auto` decides from the eighth training sample of each pixel on: the round before has learned how many rays leave a
-// vertex, so that the forecast is one of the render's roulette. Eight samples cost about as much as ten without
-// training: 4 % of so many.
-constexpr std::uint64_t shortest_automatic = 256;
+// `auto` decides from the eighth training sample of each pixel on, because the round before has learned how many rays
+// leave a vertex. Eight training samples cost about as much as ten plain ones: 4 % of a render of 256.
+constexpr std::uint64_t shortest_automatic = 256, fewest_automatic = 8;
 constexpr std::uint32_t first_deciding_round = 3;
 constexpr std::uint64_t most_samples = 4096;    // of a pixel: all samples of a tile and a round are in memory
 constexpr std::uint64_t finds_of_region = 300;  // records with light, those of neighbours included
@@ -240,7 +239,7 @@ bool GuidePilot::follow(std::uint32_t round) {
         worker->departures = 0;
     }
     if (round > 0) sums_ = std::make_unique<GuideSums>(guide_->tree(), neighbours);
-    if (round > 0 && learns_gains()) gain_sums_ = std::make_unique<GainSums>(guide_->tree(), mean_);
+    if (round > 1 && learns_gains()) gain_sums_ = std::make_unique<GainSums>(guide_->tree(), mean_);
     std::atomic<std::size_t> next{0};
     std::mutex mutex;
     std::condition_variable done;
@@ -295,7 +294,8 @@ double GuidePilot::cost(bool guided) const {
            static_cast<double>(counters.camera_rays);
 }
 
-/// Of the last round: variance x cost without the guide, over the same with it.
+/// Of the last round: variance x cost without the guide, over the same with it. Both variances have the roulette and
+/// splits of the round; the cost without the guide is that of plain paths.
 double GuidePilot::gain() const {
     double guided = 0, unguided = 0;
     for (const GuideTile& tile : tiles_) {
@@ -324,7 +324,7 @@ void GuidePilot::refine(bool final) {
     for (const GuideTile& tile : tiles_) paths += double(count_) * tile.pixels.width() * tile.pixels.height();
     if (finds > 0) finds_of_path_ = finds / paths;
     GuideTree tree = refined(*sums_, limits);
-    if (gain_sums_ && count_ > 1) {
+    if (gain_sums_) {
         LaterLight later;
         for (const GuideTile& tile : tiles_) later.variance += tile.later.variance, later.rays += tile.later.rays;
         gain_sums_->set_gains(tree, later);
@@ -400,8 +400,8 @@ std::uint32_t training_samples(const IntegratorContext& context, const GuideTrai
         static_cast<std::uint64_t>(context.view.width) * static_cast<std::uint64_t>(context.view.height);
     const std::uint64_t most = training.whole > 0 ? std::min(training.whole / 8, most_samples) : most_samples;
     const std::uint64_t samples = training.seconds > 0 ? most : (paths_of_training + pixels / 2) / pixels;
-    return static_cast<std::uint32_t>(
-        std::bit_floor(std::clamp(samples, fewest_samples, std::max(fewest_samples, most))));
+    const std::uint64_t fewest = training.request.mode == GuideMode::automatic ? fewest_automatic : fewest_samples;
+    return static_cast<std::uint32_t>(std::bit_floor(std::clamp(samples, fewest, std::max(fewest, most))));
 }
 
 TrainedGuide train_guide(const IntegratorContext& context, const GuideTraining& training) {

@@ -43,8 +43,8 @@ std::uint32_t training_samples(const IntegratorContext& context, const GuideTrai
 /// Round 0 measures the means of small tiles and the cost of paths without a guide. Round r takes 2^(r - 1) samples of
 /// each pixel and refines the guide. No training sample is part of the image, so the image is unbiased whatever was
 /// learned. The guide depends on the scene, the seed, the channels and the samples of its training, and not on threads
-/// (Law 3). With GuideMode::automatic, the guide is
-/// used only if it is forecast to reduce variance x cost. A bad forecast ends the training early.
+/// (Law 3). With GuideMode::automatic, the guide is used only if it is forecast to reduce variance x cost. A bad
+/// forecast ends the training early.
 TrainedGuide train_guide(const IntegratorContext& context, const GuideTraining& training);
 
 }  // namespace raylex::transport

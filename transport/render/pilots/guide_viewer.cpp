@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "transport/paths/plan/path_plan.h"
 #include "transport/render/pilots/pilot_paths.h"
 
 namespace raylex::transport {
@@ -14,8 +15,11 @@ std::shared_ptr<const GuideView> view_guide(const IntegratorContext& context, co
     IntegratorContext trial = context;
     trial.first_hits.aovs = &no_aovs;
     trial.first_hits.pattern_channels = false;
-    // Closures draw directions: no roulette ends these paths early, and none is lost below a surface.
-    trial.plan = nullptr;
+    // No roulette ends these paths before the vertex that is looked for. Closures draw their directions.
+    PathPlan plan;
+    plan.follows_whole_paths = true;
+    plan.most_depth = PilotPaths::most_depth;
+    trial.plan = &plan;
     trial.directions = nullptr;
     const auto integrator = request.make_trial();
     if (const Status status = integrator->prepare(trial); !status) throw std::runtime_error(status.error().message);

@@ -8,7 +8,7 @@ namespace {
 template <class Visit, class Summary>
 void visit_summary(const Visit& visit, Summary& summary) {
     visit(summary.samples), visit(summary.paths), visit(summary.regions), visit(summary.bytes);
-    visit(summary.guided), visit(summary.gain), visit(summary.used), visit(summary.cut);
+    visit(summary.guided), visit(summary.gain), visit(summary.used), visit(summary.read), visit(summary.cut);
     visit(summary.seconds), visit(summary.cpu_seconds);
 }
 

@@ -28,7 +28,7 @@ display::RecordIdentity guide_identity(const ResolvedJob& job, std::uint32_t sam
 Error guide_file_error(Error error, const std::string& file) {
     error.file = file;
     error.message = "cannot use this guide file: " + error.message;
-    error.hint = "expected the guide of this render; remove the file to train again, or name another file";
+    error.hint = "expected the guide of this render, or a name that does not exist yet";
     return error;
 }
 
@@ -56,7 +56,7 @@ Result<GuideFile> GuideFile::open(const ResolvedJob& job, const IntegratorContex
     if (path.empty()) return file;
     if (training.request.mode == GuideMode::off)
         return error_at(
-            {path, 0, 0}, "a guide file, but integrator '" + job.chosen.name + "' learns no guide",
+            {path, 0, 0}, "integrator '" + job.chosen.name + "' learns no guide here, so it cannot use this guide file",
             "expected its parameter guide = \"auto\" or \"on\", which path and bdpt have, or no guide file");
     file.identity_ = guide_identity(job, training_samples(context, training), training);
     std::error_code failed;
