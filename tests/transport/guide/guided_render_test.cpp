@@ -145,10 +145,10 @@ TEST_CASE("the training takes an eighth of the samples of the whole render, in e
 }
 
 TEST_CASE("auto does not train for a short render", "[guide][render]") {
-    transport::RenderSettings settings = guided_settings(0, 255);
+    transport::RenderSettings settings = guided_settings(0, 511);
     settings.paths.integrator = with_guide(integrator_named("path"), "auto", 0);
     CHECK(render_of(scene_of(room), settings).statistics.guide.samples == 0);
-    settings.samples.per_pixel = 256;
+    settings.samples.per_pixel = 512;
     CHECK(render_of(scene_of(room), settings).statistics.guide.samples > 0);
 }
 

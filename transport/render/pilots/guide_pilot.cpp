@@ -26,8 +26,8 @@ constexpr int tile_side = 8;
 constexpr std::uint64_t paths_of_training = 1u << 23;  // unless fewer are an eighth of the render
 constexpr std::uint64_t fewest_samples = 4;            // of a pixel: fewer do not show what pays
 // `auto` decides from the eighth training sample of each pixel on, because the round before has learned how many rays
-// leave a vertex. Eight training samples cost about as much as ten plain ones: 4 % of a render of 256.
-constexpr std::uint64_t shortest_automatic = 256, fewest_automatic = 8;
+// leave a vertex. Eight training samples cost as much as 10 to 23 plain ones: at most 4.5 % of a render of 512.
+constexpr std::uint64_t shortest_automatic = 512, fewest_automatic = 8;
 constexpr std::uint32_t first_deciding_round = 3;
 constexpr std::uint64_t most_samples = 4096;    // of a pixel: all samples of a tile and a round are in memory
 constexpr std::uint64_t finds_of_region = 300;  // records with light, those of neighbours included
@@ -39,9 +39,9 @@ constexpr double guide_vertex_cost = 0.6;
 constexpr double guide_share_cost = 1.02;
 // Where a guide has found nothing yet, other paths may find light.
 constexpr Real training_survival = Real(0.25);
-// Least gains with which `auto` goes on, by the number of rounds that are left. A guide becomes better with each round,
-// and the time of the last two is most of the training's.
-constexpr std::array<double, 4> worthwhile_gains{0.95, 1.05, 1.1, 0.8};
+// Least gains with which `auto` goes on, by the number of rounds that are left. Each of these rounds takes more time than
+// all before, and a guide becomes better with each.
+constexpr std::array<double, 4> worthwhile_gains{0.95, 1.0, 1.05, 1.1};
 constexpr double most_unlikely = 1e4;
 
 /// Sums over the paths through a tile of the image.
