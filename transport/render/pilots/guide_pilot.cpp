@@ -39,8 +39,8 @@ constexpr double guide_vertex_cost = 0.6;
 constexpr double guide_share_cost = 1.02;
 // Where a guide has found nothing yet, other paths may find light.
 constexpr Real training_survival = Real(0.25);
-// Least gains with which `auto` goes on, by the number of rounds that are left. Each of these rounds takes more time than
-// all before, and a guide becomes better with each.
+// Least gains with which `auto` goes on, by the number of rounds that are left. Each of these rounds takes more time
+// than all before, and a guide becomes better with each.
 constexpr std::array<double, 4> worthwhile_gains{0.95, 1.0, 1.05, 1.1};
 constexpr double most_unlikely = 1e4;
 
