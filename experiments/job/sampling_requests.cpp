@@ -161,4 +161,11 @@ Status check_recovery(const Job& job) {
     return success();
 }
 
+Status check_guide_only(const Job& job) {
+    const bool has_more = job.shard || job.resume || job.settings.samples.only || !job.statistics.empty();
+    if (!job.guide_only || (!job.settings.paths.guide_file.empty() && !has_more)) return success();
+    return error_at({"--guide-only", 0, 0}, "the guide alone is trained",
+                    "expected --guide-file FILE, and no --shard, --resume, --replay and --stats");
+}
+
 }  // namespace raylex::experiments

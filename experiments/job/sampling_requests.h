@@ -29,6 +29,9 @@ void apply_sample_limit(std::uint64_t samples_per_pixel, display::AdaptiveSettin
 /// buckets it is a folder.
 std::string checkpoint_file(const Job& job);
 
+/// Checks --guide-only. Errors: there is no guide file, or the job has a request that only a render can fulfil.
+Status check_guide_only(const Job& job);
+
 /// Checks a job before the render. Errors: an unfinished render's checkpoint would be lost, --resume has no checkpoint,
 /// or the job has outputs that a checkpoint cannot hold.
 Status check_recovery(const Job& job);

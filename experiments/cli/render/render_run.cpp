@@ -48,11 +48,8 @@ class RenderRun {
 
     int run() {
         at_once_.emplace("raylex: interrupted before anything was rendered; no file was written\n");
-        if (Status possible = begin_passes(job_); !possible) return report_error(possible.error());
-        if (job_.guide_only && (job_.settings.paths.guide_file.empty() || job_.shard || job_.resume ||
-                                job_.settings.samples.only || !job_.statistics.empty()))
-            return report_error(
-                "--guide-only needs --guide-file FILE, and excludes --shard, --resume, --replay and --stats");
+        for (const Status& possible : {check_guide_only(job_), begin_passes(job_)})
+            if (!possible) return report_error(possible.error());
         if (job_.shard) return run_shard();
         if (job_.settings.samples.only || job_.guide_only) {
             for (std::optional<int> (RenderRun::*step)() : {&RenderRun::load, &RenderRun::build, &RenderRun::plan})

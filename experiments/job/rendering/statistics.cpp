@@ -120,10 +120,16 @@ Json paid_json(const transport::GuideView& view) {
     return json;
 }
 
-Json guide_json(const transport::GuideSummary& guide) {
-    return {{"used", guide.used},          {"samples_per_pixel", guide.samples}, {"paths", guide.paths},
-            {"regions", guide.regions},    {"guided_share", guide.guided},       {"memory_bytes", guide.bytes},
-            {"forecast_gain", guide.gain}, {"wall_seconds", guide.seconds},      {"cpu_seconds", guide.cpu_seconds}};
+Json guide_json(const RunRecord& record) {
+    const transport::RenderStatistics& statistics = record.output->statistics;
+    const transport::GuideSummary& guide = statistics.guide;
+    Json json{{"used", guide.used},          {"samples_per_pixel", guide.samples}, {"paths", guide.paths},
+              {"regions", guide.regions},    {"guided_share", guide.guided},       {"memory_bytes", guide.bytes},
+              {"forecast_gain", guide.gain}, {"wall_seconds", guide.seconds},      {"cpu_seconds", guide.cpu_seconds}};
+    if (guide.read) json["read"] = true;
+    if (statistics.guide_view) json["paid"] = paid_json(*statistics.guide_view);
+    if (!record.guide_view.is_null()) json["view"] = record.guide_view;
+    return json;
 }
 
 Json deep_json(const display::DeepCounts& counts) {
@@ -162,10 +168,7 @@ std::string statistics_json(const RunRecord& record) {
                     {"total", rays},
                     {"pilot", statistics.pilot_rays}};
     json["branches"] = statistics.branches;
-    if (statistics.guide.samples > 0) json["guide"] = guide_json(statistics.guide);
-    if (statistics.guide.read) json["guide"]["read"] = true;
-    if (statistics.guide_view) json["guide"]["paid"] = paid_json(*statistics.guide_view);
-    if (!record.guide_view.is_null()) json["guide"]["view"] = record.guide_view;
+    if (statistics.guide.samples > 0 || statistics.guide.read) json["guide"] = guide_json(record);
     json["effects"] = effects_json(record.effects, record.job->effects);
     json["aovs"] = aovs_json(record.job->settings.channels.list);
     const auto pruned = [&](transport::Pruned cause) { return statistics.pruned[static_cast<std::size_t>(cause)]; };

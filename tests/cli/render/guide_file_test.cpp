@@ -143,8 +143,10 @@ TEST_CASE("guide files that cannot be used are refused by name", "[guide][law7]"
     check_refused(folder, render + "room.pbrt", {"room.pbrt", "cannot use this guide file"});
     check_refused(folder, render + "out.exr", {"'out.exr' is already an input or another output"});
     check_refused(folder, "render room.pbrt -o out.exr --guide-file g", {"'path' learns no guide", "\"auto\""});
-    check_refused(folder, "render guided.toml -o out.exr --guide-only", {"--guide-only needs --guide-file FILE"});
-    check_refused(folder, render + "g --guide-only --shard 1/2", {"--guide-only", "excludes --shard"});
+    check_refused(folder, "render guided.toml -o out.exr --guide-only", {"--guide-only", "expected --guide-file FILE"});
+    check_refused(folder, render + "g --guide-only --stats t.json", {"--guide-only", "--stats"});
+    check_refused(folder, render + "g --guide-only --shard 1/2",
+                  {"--guide-only", "no --shard, --resume, --replay and --stats"});
     check_refused(folder, "render room.pbrt -o out.exr --guide-file g --pass 'path:C<RD>.*:guide=on' --pass path:rest",
                   {"passes do not support a guide file"});
 }
