@@ -293,7 +293,8 @@ run_programs() {
             failures+=("$name ($label)${told:+$'\n'$told}")
         fi
     done
-    [ "$ran" -gt 0 ] || fail "no test case ran ($label); expected some"
+    # The tests of Python alone have no program.
+    [ "$ran" -gt 0 ] || [ "${parts[*]}" = python ] || fail "no test case ran ($label); expected some"
 }
 
 # run_python: the tests of the Python module, with unittest's own counts.
