@@ -105,8 +105,13 @@ TEST_CASE("a guide file fits each render that would train the same guide", "[gui
     // A checkpoint has a guide, too, but is no guide file.
     const ScratchFile checkpoint;
     settings = shared_guide("");
-    settings.checkpoint = transport::CheckpointSettings{.file = checkpoint.path(), .seconds = 0};
-    render_of(scene, settings);
+    settings.paths.integrator = with_guide(counted("path"), "on", 16);
+    settings.samples.per_pixel = 64;
+    settings.checkpoint = transport::CheckpointSettings{.file = checkpoint.path(), .seconds = 60};
+    std::atomic<bool> stop{false};
+    interruption().begin(15'000, &stop);  // within the image's 36,864, whether the training's 9,792 count or not
+    REQUIRE(transport::render(scene, settings, {}, &stop).ok());
+    interruption().begin(0, nullptr);
     REQUIRE(checkpoint.exists());
     check_unusable(scene, shared_guide(checkpoint.path()), {"another render", "training: nothing there"});
 }
