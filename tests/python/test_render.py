@@ -46,7 +46,7 @@ for more in (dict(integrator="slow"), dict(progress=look)):
 time.sleep(1)
 """
 
-# In an interpreter of its own: plugins that other tests have loaded are a part of what a guide file belongs to.
+# Runs in a second interpreter. Other tests load plugins into this one, and a guide file records the loaded plugins.
 GUIDE = """
 import sys
 import raylex

@@ -64,9 +64,8 @@ class RenderRun {
         print_summary({job_, *output_, image_, splits_, deep_, atlas_, beauties_, outputs_.files(), phases_});
         if (!output_->samples.complete) return interrupt_flag().load() ? exit_interrupted : exit_does_not_hold;
         if ((deep_ && !deep_->holds) || (atlas_ && !atlas_->holds)) return exit_does_not_hold;
-        return std::all_of(splits_.begin(), splits_.end(), [](const display::SplitResult& each) { return each.holds; })
-                   ? exit_holds
-                   : exit_does_not_hold;
+        const auto holds = [](const display::SplitResult& each) { return each.holds; };
+        return std::all_of(splits_.begin(), splits_.end(), holds) ? exit_holds : exit_does_not_hold;
     }
 
     /// Estimates the cost of all samples.

@@ -75,7 +75,7 @@ GuideTraining PreparedJob::training() const {
     return training;
 }
 
-/// Learns directions, where the integrator asks for it. A resumed render has the guide of its checkpoint.
+/// Trains the guide if the integrator has one. A resumed render has the guide of its checkpoint.
 Status PreparedJob::train(GuideTraining training, GuideFile file, const Stopwatch& since_call,
                           const std::atomic<bool>* stop) {
     if (training.request.mode == GuideMode::off) return success();
