@@ -33,6 +33,12 @@ class DirectionSampler {
         static_cast<void>(bsdf), static_cast<void>(point), static_cast<void>(throughput);
         return 1;
     }
+    /// The probability, above 0, with which a vertex takes a light sample, where rays() determines the number of rays.
+    /// It must not depend on samples that follow.
+    [[nodiscard]] virtual Real light_share(const Bsdf& bsdf, const SurfacePoint& point, Real throughput) const {
+        static_cast<void>(bsdf), static_cast<void>(point), static_cast<void>(throughput);
+        return 1;
+    }
 
     /// Samples the direction in which a path of `mode` that arrived from point.wo continues; u_lobe and u are in [0,
     /// 1). For a direction with a density, `pdf` must equal pdf() of the rounded `wi`, which is the density of the

@@ -234,8 +234,9 @@ class Walk {
     [[nodiscard]] std::uint64_t planned_state(std::uint32_t row) const;
     static Real take_branch(Subpath& path, SplitState& split, const BsdfSample& s);
     [[gnu::always_inline]] inline bool goes_on(std::uint32_t row);
-    /// `rays`: expected number, where path.pdf does not include it.
-    void pass_vertex(std::uint32_t row, const Bsdf& bsdf, const BsdfSample& s, Real arrived, Real rays);
+    /// `reached`: mean colour of the throughput at the vertex. `factor`: of roulette and splits there. `rays`: expected
+    /// number, where path.pdf does not include it.
+    void pass_vertex(std::size_t j, const BsdfSample& s, Real reached, Real factor, Real rays);
     void reject(std::uint32_t row);
 
     const DepthLimit depth_limit_;

@@ -149,16 +149,23 @@ bool Walk<mode>::goes_on(std::uint32_t row) {
 }
 
 template <TransportMode mode>
-[[gnu::noinline]] void Walk<mode>::pass_vertex(std::uint32_t row, const Bsdf& bsdf, const BsdfSample& s, Real arrived,
+[[gnu::noinline]] void Walk<mode>::pass_vertex(std::size_t j, const BsdfSample& s, Real reached, Real factor,
                                                Real rays) {
+    const VertexBatch& v = vertices_;
+    const std::uint32_t row = v.rows[j];
     const Subpath& path = paths_[row];
+    const Bsdf& bsdf = v.bsdfs[j];
+    const bool emits = j < v.surfaces && scene_.geometry->shapes()[v.hits[j].shape].first_light != Hit::none;
     later_->pass({.row = row,
                   .depth = path.depth,
                   .state = planned_state(row),
                   .throughput = throughput(row),
-                  .arrived = arrived * path.beta.average(),
+                  .reached = reached,
+                  .light_share = technique_shares(row).light,
+                  .arrived = reached * factor,
                   .strength = path.beta.max() * path.roulette_scale,
                   .split = !splits_.empty() && splits_[row].split,
+                  .emits = emits,
                   .guidable = bsdf.has_density() && bsdf.can_be_guided(),
                   .specular = s.delta,
                   .position = path.from,
@@ -220,9 +227,9 @@ bool Walk<mode>::scatter_vertex(std::size_t j, [[maybe_unused]] std::uint32_t br
                                          : sample_direction<mode>(*directions, bsdf, point, u_lobe, pair(j));
     if (wavelengths_.any()) wavelengths_.leave<mode>(v, j, path, s);
     if (!(s.pdf > 0) || s.weight.is_black()) return false;
-    Real arrived = path.beta.average();
+    const Real reached = path.beta.average();
     path.beta *= s.weight;
-    if (mode == TransportMode::radiance && later_ != nullptr) arrived /= path.beta.average();
+    const Real weighed = path.beta.average();
     const Real rays = planned ? take_branch(path, splits_[row], s) : 1;
     leave_vertex<mode>(path, point, s);
     if (mode == TransportMode::radiance && directions != nullptr) path.roulette_scale *= s.favoured;
@@ -240,7 +247,7 @@ bool Walk<mode>::scatter_vertex(std::size_t j, [[maybe_unused]] std::uint32_t br
     const bool weighs_rays = planned && !path.specular && !bsdf.is_biased();  // CameraSubpaths::expected_rays()
     if (weighs_rays) path.pdf *= rays;
     if (mode == TransportMode::radiance && later_ != nullptr)
-        pass_vertex(row, bsdf, s, arrived, weighs_rays ? 1 : rays);
+        pass_vertex(j, s, reached, path.beta.average() / weighed, weighs_rays ? 1 : rays);
     if (options_.densities) {
         const Real reverse = s.delta ? 1 : direction_density<reverse_mode>(directions, bsdf, point, s.wi, point.wo);
         mis_weights_[row].leave(s.delta, static_cast<double>(reverse), static_cast<double>(point.cosine(s.wi)));

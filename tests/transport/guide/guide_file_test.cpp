@@ -9,7 +9,7 @@ using namespace render_test;
 
 namespace {
 
-transport::RenderSettings shared_guide(const std::string& file, const std::string& mode = "on", int samples = 16) {
+transport::RenderSettings shared_guide(const std::string& file, const std::string& mode = "on", int samples = 32) {
     transport::RenderSettings settings = guided_settings(samples, 16);
     settings.paths.integrator = with_guide(integrator_named("path"), mode, samples);
     settings.paths.guide_file = file;
@@ -72,7 +72,7 @@ TEST_CASE("shards and crops that read one guide have the bits of the whole rende
     settings.samples.per_pixel = 128;
     settings.paths.guide_file.clear();
     const auto whole = render_of(scene, settings);
-    CHECK(whole.statistics.guide.samples == 16);
+    CHECK(whole.statistics.guide.samples == 32);
     settings.paths.guide_file = file.path();
     settings.samples.whole = 128;
     settings.samples.per_pixel = 48;
@@ -129,7 +129,7 @@ TEST_CASE("the guide of another render is refused with the difference", "[guide]
     check_unusable(scene, settings, {"seed: 0 there, 1 here"});
     settings = first;
     settings.samples.per_pixel = 128;
-    check_unusable(scene, settings, {"training: 4 samples of each pixel there, 16 samples of each pixel here"});
+    check_unusable(scene, settings, {"training: 4 samples of each pixel there, 32 samples of each pixel here"});
     settings = first;
     settings.film.resolution = std::array{12, 12};
     check_unusable(scene, settings, {"resolution: 24x24 there, 12x12 here"});

@@ -12,7 +12,7 @@ namespace {
 using transport::Real;
 
 /// Closures draw directions. The number of rays depends on the place and the throughput, without any reason: most paths
-/// end early, and few survivors count for many.
+/// end early, and few survivors count for many. In the same way, few vertices take light samples.
 class PlantedRays final : public transport::DirectionSampler {
   public:
     [[nodiscard]] bool plans_rays() const override { return true; }
@@ -22,6 +22,13 @@ class PlantedRays final : public transport::DirectionSampler {
         constexpr std::array<Real, 5> numbers{transport::least_survival, 0.4f, 2.5f, 1, transport::most_branches};
         const Real number = numbers[static_cast<std::size_t>((place % 5 + 5) % 5)];
         return throughput < 0.2f ? std::min(number, Real(1)) : number;
+    }
+    [[nodiscard]] Real light_share(const transport::Bsdf& bsdf, const transport::SurfacePoint& point,
+                                   Real throughput) const override {
+        if (bsdf.is_biased()) return 1;  // there, the weights of light samples decide the mean
+        const auto place = static_cast<int>(std::floor(10 * (point.position.x - point.position.y)));
+        constexpr std::array<Real, 3> shares{transport::least_survival, 0.3f, 1};
+        return throughput < 0.2f ? Real(0.5) : shares[static_cast<std::size_t>((place % 3 + 3) % 3)];
     }
     [[nodiscard]] transport::BsdfSample sample(const transport::Bsdf& bsdf, const transport::SurfacePoint& point,
                                                transport::TransportMode mode, Real u_lobe,
@@ -73,6 +80,10 @@ TEST_CASE("no survival is below a twentieth, and no vertex has more than eight b
                 CHECK(rays >= transport::least_survival);
                 CHECK(rays <= 8);
                 if (by_square * throughput >= 1) CHECK(rays >= 1);
+                region.by_light = by_square;
+                const Real share = transport::light_share_by_gain(region, throughput);
+                CHECK(share >= transport::least_survival);
+                CHECK(share <= 1);
             }
 }
 
@@ -101,6 +112,38 @@ TEST_CASE("short renders are unbiased where survivors are rare and branches many
     // 600 renders of one sample: Student's t beyond 5 by chance less than once in 10^5 comparisons.
     check_lengths(replicates(**scene, settings, static_cast<int>(values.size()), 600, 1), values, 5);
     CHECK(render_of(scene_of(enclosure(kd, ks)), settings).statistics.branches > 0);
+}
+
+TEST_CASE("few light samples find the light of an area, a spot and the sky, also in fog",
+          "[guide][gain][render][gate][statistical]") {
+    register_directed("path-with-few-light-samples", "path", std::make_shared<PlantedRays>());
+    for (const std::string& text : {room, foggy_room()}) {
+        const auto scene = transport::BuiltScene::build(scene_of(text));
+        REQUIRE(scene.ok());
+        transport::RenderSettings settings;
+        settings.machine.threads = 2;
+        settings.samples.per_pixel = 64;
+        settings.channels.list = {lpe_channel("direct", "C.L"), lpe_channel("indirect", "C..+L")};
+        settings.paths.integrator = integrator_named("path-with-few-light-samples");
+        const Replicates few = replicates(**scene, settings, 3, 40, 500);
+        settings.paths.integrator = integrator_named("path");
+        check_agreement(replicates(**scene, settings, 3, 40, 100), few, {"beauty", "direct", "indirect"});
+    }
+}
+
+TEST_CASE("a guide leaves out light samples that glass blocks", "[guide][gain][render]") {
+    const auto left_out = [](const std::string& text) {
+        const auto output = render_of(scene_of(text), guided_settings(32, 16));
+        CHECK(output.statistics.guide.used);
+        const auto count = [&](transport::Pruned cause) {
+            return static_cast<double>(output.statistics.pruned[static_cast<std::size_t>(cause)]);
+        };
+        const double left = count(transport::Pruned::light_samples_left_to_rays);
+        return left / (left + static_cast<double>(output.statistics.shadow_rays));
+    };
+    // In the globe, the least probability is a twentieth. Lamps that light samples reach keep most of them.
+    CHECK(left_out(lamp_in_globe(0.35, 0.2, 20)) > 0.9);
+    CHECK(left_out(room) < 0.5);
 }
 
 TEST_CASE("roulette and splits by expected gain estimate the image of plain paths",
@@ -136,7 +179,7 @@ TEST_CASE("renders by expected gain have the same bits for every number of threa
 TEST_CASE("a resumed render by expected gain has the bits of a whole one", "[guide][gain][render][checkpoint][law3]") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings = guided_settings(16, 100);
-    settings.paths.integrator = with_guide(counted("path"), "on", 16);
+    settings.paths.integrator = with_guide(counted("path"), "on", 64);
     const auto whole = render_of(scene, settings);
     CHECK(whole.statistics.branches > 0);
     const ScratchFile file;

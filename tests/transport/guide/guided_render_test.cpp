@@ -116,7 +116,7 @@ TEST_CASE("a guided render in many sessions has the bits of one that was never i
           "[guide][render][checkpoint][law3]") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings;
-    settings.paths.integrator = with_guide(counted("path"), "on", 16);
+    settings.paths.integrator = with_guide(counted("path"), "on", 64);
     settings.samples.per_pixel = 200;
     const auto whole = render_of(scene, settings);
     CHECK(whole.statistics.guide.used);
@@ -128,11 +128,11 @@ TEST_CASE("a guided render in many sessions has the bits of one that was never i
     CHECK((frame_bits(found.output) == frame_bits(whole)));
 }
 
-TEST_CASE("the training takes an eighth of the samples of the whole render, in each shard", "[guide][render][law3]") {
+TEST_CASE("the training takes a quarter of the samples of the whole render, in each shard", "[guide][render][law3]") {
     const auto scene = scene_of(room);
     transport::RenderSettings settings = guided_settings(0, 128);
     auto whole = render_of(scene, settings);
-    CHECK(whole.statistics.guide.samples == 16);
+    CHECK(whole.statistics.guide.samples == 32);
     CHECK(whole.statistics.guide.used);
     settings.samples.whole = 128;
     settings.samples.per_pixel = 48;

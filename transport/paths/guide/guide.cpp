@@ -22,24 +22,32 @@ Real favoured(Real pdf, Real closure_pdf) {
 }  // namespace
 
 std::uint32_t Guide::region_number(const SurfacePoint& point) const {
+    if (point.direction_region > 0) return point.direction_region - 1;
     const bool surface = point.material != SurfacePoint::no_material;
     return tree_.place_of(point.position, surface ? point.shading_normal : Vec3{0, 0, 0}).region;
 }
 
 void Guide::locate(std::span<SurfacePoint> points) const {
-    for (SurfacePoint& point : points) point.direction_region = 1 + region_number(point);
+    for (SurfacePoint& point : points) {
+        point.direction_region = 0;
+        point.direction_region = 1 + region_number(point);
+    }
 }
 
 Real Guide::rays(const Bsdf& bsdf, const SurfacePoint& point, Real throughput) const {
     if (!bsdf.has_density()) return 1;
-    const std::uint32_t number = point.direction_region > 0 ? point.direction_region - 1 : region_number(point);
-    return std::max(rays_by_gain(tree_.region(number), throughput), least_survival_);
+    return std::max(rays_by_gain(tree_.region(region_number(point)), throughput), least_survival_);
+}
+
+/// At biased closures the weights of light samples decide the mean, so all are taken.
+Real Guide::light_share(const Bsdf& bsdf, const SurfacePoint& point, Real throughput) const {
+    if (bsdf.is_biased()) return 1;
+    return std::max(light_share_by_gain(tree_.region(region_number(point)), throughput), least_survival_);
 }
 
 const GuideTree::Region* Guide::region_of(const Bsdf& bsdf, const SurfacePoint& point, TransportMode mode) const {
     if (mode == TransportMode::importance || !bsdf.can_be_guided()) return nullptr;
-    const std::uint32_t number = point.direction_region > 0 ? point.direction_region - 1 : region_number(point);
-    const GuideTree::Region& region = tree_.region(number);
+    const GuideTree::Region& region = tree_.region(region_number(point));
     return region.share > 0 ? &region : nullptr;
 }
 

@@ -10,6 +10,9 @@ namespace {
 // others may.
 constexpr double common_departures = 64;
 
+// Of a light sample and its shadow ray, in rays and what they cost at their vertices.
+constexpr double light_sample_cost = 0.5;
+
 constexpr double light_unit = 0x1p20;
 /// A sum of 2^23 values stays below 2^63.
 std::uint64_t in_light_units(double value) {
@@ -27,6 +30,11 @@ Real rays_by_gain(const GuideTree::Region& region, Real throughput) {
     const Real by_square = throughput * region.by_square;
     if (by_square < 1) return std::max(std::sqrt(by_square), least_survival);
     return std::clamp(std::sqrt(throughput * region.by_noise), Real(1), most_branches);
+}
+
+Real light_share_by_gain(const GuideTree::Region& region, Real throughput) {
+    const Real rays = throughput * region.by_light;
+    return rays < 1 ? std::max(std::sqrt(rays), least_survival) : 1;
 }
 
 void LaterLight::add(double light, std::uint64_t rays_of_path) {
@@ -55,6 +63,16 @@ void GainSums::add(const LaterRadiance::Path& path, LaterLight& later) {
         Region& sums = regions_[tree_.place_of(v.position, v.normal).region];
         sums.departures.fetch_add(1, std::memory_order_relaxed);
         sums.rays.fetch_add(end - i, std::memory_order_relaxed);
+        // When the first ray leaves a vertex, the channel has just received what the light sample there has found. On
+        // an emitter, it has also received the emitted light.
+        const bool first = i == 0 || v.depth == path.vertices[i - 1].depth + 1;
+        if (first && !v.specular && !v.emits) {
+            sums.vertices.fetch_add(1, std::memory_order_relaxed);
+            const double sampled =
+                (path.before(i, 0) - (i == 0 ? 0 : path.before(i - 1, 0))) / (static_cast<double>(v.reached) * mean_);
+            sums.sampled.fetch_add(in_light_units(sampled * sampled * static_cast<double>(v.light_share)),
+                                   std::memory_order_relaxed);
+        }
         const double light = path.behind(i, 0) / (static_cast<double>(v.arrived) * mean_);
         if (!(light > 0)) continue;
         sums.light.fetch_add(in_light_units(light), std::memory_order_relaxed);
@@ -64,12 +82,14 @@ void GainSums::add(const LaterRadiance::Path& path, LaterLight& later) {
 }
 
 void GainSums::set_gains(GuideTree& refined, const LaterLight& of_paths) const {
-    double departures = 0, rays = 0, light = 0, squares = 0;
+    double departures = 0, rays = 0, light = 0, squares = 0, vertices = 0, sampled = 0;
     for (const Region& region : regions_) {
         departures += sum_of(region.departures);
         rays += sum_of(region.rays);
         light += sum_of(region.light);
         squares += sum_of(region.squares);
+        vertices += sum_of(region.vertices);
+        sampled += sum_of(region.sampled);
     }
     if (!(squares > 0 && of_paths.variance > 0)) return;
     const double common = common_departures / departures;
@@ -80,8 +100,11 @@ void GainSums::set_gains(GuideTree& refined, const LaterLight& of_paths) const {
         const double mean = (sum_of(region.light) + common * light) / count,
                      square = (sum_of(region.squares) + common * squares) / count,
                      cost = (sum_of(region.rays) + common * rays) * light_unit / count;
+        const double by_sample = (sum_of(region.sampled) + common_departures * sampled / std::max(vertices, 1.0)) /
+                                 ((sum_of(region.vertices) + common_departures) * light_unit);
         refined.set_gain(i, static_cast<float>(std::sqrt(square / cost * efficiency)),
-                         static_cast<float>(std::sqrt(std::max(0.0, square - mean * mean) / cost * efficiency)));
+                         static_cast<float>(std::sqrt(std::max(0.0, square - mean * mean) / cost * efficiency)),
+                         static_cast<float>(std::sqrt(by_sample / light_sample_cost * efficiency)));
     }
 }
 

@@ -10,6 +10,10 @@
 // best one costs about as much as one that is 1 / f times the best, and little where f is near 1. So sqrt(m) rays leave
 // the vertex: they lose little where m is right, and much less than m rays where it is wrong.
 //
+// A light sample is one more ray, with the mean square of what it finds in the place of S, and its own cost in the
+// place of R. A vertex takes it with the probability sqrt(m), at most 1. So vertices that no light sample reaches save
+// most of them.
+//
 // The number depends on the training, the throughput and the vertex, and never on samples that it weighs: the image is
 // unbiased.
 #pragma once
@@ -28,6 +32,9 @@ inline constexpr Real least_survival = Real(0.05), most_branches = 8;
 /// The mean number of rays that leave a vertex in `region`, in [least_survival, most_branches]. `throughput`: its mean
 /// colour.
 Real rays_by_gain(const GuideTree::Region& region, Real throughput);
+/// The probability with which a vertex in `region` takes a light sample, in [least_survival, 1]. `throughput`: its mean
+/// colour.
+Real light_share_by_gain(const GuideTree::Region& region, Real throughput);
 
 /// What paths through a part of the image find later, over the image's mean. Added in the order of pixels.
 struct LaterLight {
@@ -53,8 +60,9 @@ class GainSums {
 
   private:
     struct Region {
-        std::atomic<std::uint64_t> departures{0}, rays{0};  // rays: these, and all that follow
-        std::atomic<std::uint64_t> light{0}, squares{0};    // over the throughput and the image's mean
+        std::atomic<std::uint64_t> departures{0}, rays{0};   // rays: these, and all that follow
+        std::atomic<std::uint64_t> light{0}, squares{0};     // over the throughput and the image's mean
+        std::atomic<std::uint64_t> vertices{0}, sampled{0};  // squares of light samples, as if all vertices took one
     };
     const GuideTree& tree_;
     const double mean_;

@@ -61,7 +61,7 @@ bool GuideTree::is_sound() const {
     }
     return std::all_of(regions_.begin(), regions_.end(), [&](const Region& each) {
         return each.root > 0 && each.root < nodes_.size() && each.share >= 0 && each.share < 1 && each.by_square >= 0 &&
-               each.by_noise >= 0;
+               each.by_noise >= 0 && each.by_light >= 0;
     });
 }
 

@@ -48,7 +48,7 @@ class GuideSums {
     /// Sums for one round of training with `tree`, which must outlive the object.
     /// Each record of light is shared with so many `neighbours`.
     explicit GuideSums(const GuideTree& tree, int neighbours = most_neighbours);
-    static constexpr int most_neighbours = 8;
+    static constexpr int most_neighbours = 32;
 
     /// Adds a record. Returns the density with which the closure alone would have drawn the direction, relative to the
     /// density with which it was drawn; 1 where the region has no guide. Called by many threads at once.

@@ -45,7 +45,7 @@ class GuideTree {
         std::uint32_t root = 0;    ///< node of its quadtree
         Real share = 0;            ///< probability of drawing a direction from the quadtree; 0: the closure draws all
         std::uint32_t before = 0;  ///< region of the tree before, of which this one is a part
-        float by_square = 0, by_noise = 0;  ///< see guide_gains.h; 0: unknown
+        float by_square = 0, by_noise = 0, by_light = 0;  ///< see guide_gains.h; by_square is 0: unknown
     };
     /// Where a point is.
     struct Place {
@@ -78,10 +78,11 @@ class GuideTree {
     static std::optional<GuideTree> from_record(std::string_view bytes);
 
     [[nodiscard]] const std::vector<Region>& regions() const { return regions_; }
-    /// Sets Region::by_square and by_noise.
-    void set_gain(std::size_t region, float by_square, float by_noise) {
+    /// Sets Region::by_square, by_noise and by_light.
+    void set_gain(std::size_t region, float by_square, float by_noise, float by_light) {
         regions_[region].by_square = by_square;
         regions_[region].by_noise = by_noise;
+        regions_[region].by_light = by_light;
     }
     /// Whether the regions have gains.
     [[nodiscard]] bool plans_rays() const { return regions_.front().by_square > 0; }

@@ -26,11 +26,14 @@ struct PassedVertex {
     std::uint32_t depth = 0;  ///< number of scattering events, with this one
     std::uint64_t state = 0;  ///< state of the path's tracker, by which a plan distinguishes paths
     Rgb throughput;           ///< includes the scattering here; each ray of a split vertex carries its part of it
+    Real reached = 0;         ///< mean colour of the throughput with which the path arrived
+    Real light_share = 1;     ///< probability with which the vertex took a light sample
     /// Mean colour of the throughput with which the path arrived, times the factors that roulette and splits have given
     /// the ray.
     Real arrived = 0;
     Real strength = 0;   ///< the value that roulette compares: the largest colour, without the scaling by eta^2
     bool split = false;  ///< rays are split at this vertex or before
+    bool emits = false;  ///< the vertex is on an emitter
     /// The vertex' closure has a density that a sampler of directions may change.
     bool guidable = false;
     bool specular = false;  ///< the direction is that of a specular lobe

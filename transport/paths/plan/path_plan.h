@@ -12,9 +12,9 @@ namespace raylex::transport {
 
 class LiveLights;
 
-/// The probabilities with which a last vertex takes a light sample and traces a scattering ray. At a last vertex,
-/// channels take light that arrives there from an emitter, and no light that is scattered again before. The weights of
-/// multiple importance sampling use the densities times these shares.
+/// The probabilities with which a vertex takes a light sample and traces a scattering ray. A plan has them for last
+/// vertices: there, channels take light that arrives from an emitter, and no light that is scattered again before. The
+/// weights of multiple importance sampling use the densities times these shares.
 struct TechniqueShares {
     Real light = 1, ray = 1;
 

@@ -28,7 +28,7 @@ CameraSubpaths::CameraSubpaths(const PathContext& context, WalkOptions options)
         splits_.resize(paths_.size());
     }
     directions_plan_rays_ = context.directions != nullptr && context.directions->plans_rays();
-    if (context.plan != nullptr && context.plan->shares.any()) shares_.resize(paths_.size());
+    if (directions_plan_rays_ || (context.plan != nullptr && context.plan->shares.any())) shares_.resize(paths_.size());
     if (scene_.tests_alpha()) travelled_.resize(paths_.size());
 }
 

@@ -34,13 +34,16 @@ bool DirectLight::draw(CameraSubpaths& camera, std::size_t j, LightSample& sampl
     const std::uint32_t depth = camera.path(row).depth;
     std::uint8_t lights = chooser().empty() ? LiveLights::none : LiveLights::all;
     TechniqueShares shares;
+    const DirectionSampler* directions = context_->directions;
+    const bool planned = directions != nullptr && directions->plans_rays();
+    if (planned) shares.light = directions->light_share(v.bsdfs[j], point, camera.path(row).beta.average());
     if (!camera.record().takes_all(row)) {
         const display::Liveness::LiveSet live = camera.record().live_set(row, v.sources[j].label, point.material);
         if (!live.anything) return false;
         lights = lights_->of(live);
         if (!live.scatters && lights != LiveLights::none && context_->plan != nullptr) shares = context_->plan->shares;
-        camera.choose_techniques(row, lights, shares);
     }
+    if (planned || !camera.record().takes_all(row)) camera.choose_techniques(row, lights, shares);
     IntegratorCounters& counters = camera.counters();
     if (lights == LiveLights::none) {
         counters.count(Pruned::light_samples);

@@ -24,7 +24,7 @@ enum class LightSelection : std::uint8_t { receiver, power, uniform };
 LightChoice light_choice(LightSelection selection, PathStrategy strategy);
 
 /// Tables for a whole render, shared by all threads. Every vertex samples among the lights whose light some channel can
-/// still accept (Law 4). At a last vertex the plan's shares decide whether it takes a light sample.
+/// still accept (Law 4). A sampler of directions, and at last vertices the plan, may decide that a vertex takes none.
 class DirectLight {
   public:
     DirectLight() = default;

@@ -23,14 +23,14 @@ namespace raylex::transport {
 namespace {
 
 constexpr int tile_side = 8;
-constexpr std::uint64_t paths_of_training = 1u << 23;  // unless fewer are an eighth of the render
+constexpr std::uint64_t paths_of_training = 1u << 23;  // unless fewer are a quarter of the render
 constexpr std::uint64_t fewest_samples = 4;            // of a pixel: fewer do not show what pays
 // `auto` decides from the eighth training sample of each pixel on, because the round before has learned how many rays
 // leave a vertex. Eight training samples cost as much as 10 to 23 plain ones: at most 4.5 % of a render of 512.
 constexpr std::uint64_t shortest_automatic = 512, fewest_automatic = 8;
 constexpr std::uint32_t first_deciding_round = 3;
 constexpr std::uint64_t most_samples = 4096;    // of a pixel: all samples of a tile and a round are in memory
-constexpr std::uint64_t finds_of_region = 300;  // records with light, those of neighbours included
+constexpr std::uint64_t finds_of_region = 600;  // records with light, those of neighbours included
 constexpr std::size_t guide_bytes = std::size_t{64} << 20;  // sums of a round and the tree of the next included
 // Cost of a vertex whose direction the guide may draw, beside that of its ray, relative to a scattering ray
 // (pilot_cost()); measured on glass-fixtures and door-ajar.
@@ -41,7 +41,7 @@ constexpr double guide_share_cost = 1.02;
 constexpr Real training_survival = Real(0.25);
 // Least gains with which `auto` goes on, by the number of rounds that are left. Each of these rounds takes more time
 // than all before, and a guide becomes better with each.
-constexpr std::array<double, 4> worthwhile_gains{0.95, 1.0, 1.05, 1.1};
+constexpr std::array<double, 5> worthwhile_gains{0.95, 1.0, 1.05, 1.1, 1.1};
 constexpr double most_unlikely = 1e4;
 
 /// Sums over the paths through a tile of the image.
@@ -388,7 +388,7 @@ TrainedGuide GuidePilot::run() {
 
 }  // namespace
 
-/// Without a requested number, the training takes at most an eighth of the samples of the whole render.
+/// Without a requested number, the training takes at most a quarter of the samples of the whole render.
 std::uint32_t training_samples(const IntegratorContext& context, const GuideTraining& training) {
     if (training.request.mode == GuideMode::off || !training.request.make_trial || training.channels.empty() ||
         !context.takes_scattered_light())
@@ -398,7 +398,7 @@ std::uint32_t training_samples(const IntegratorContext& context, const GuideTrai
         return 0;
     const std::uint64_t pixels =
         static_cast<std::uint64_t>(context.view.width) * static_cast<std::uint64_t>(context.view.height);
-    const std::uint64_t most = training.whole > 0 ? std::min(training.whole / 8, most_samples) : most_samples;
+    const std::uint64_t most = training.whole > 0 ? std::min(training.whole / 4, most_samples) : most_samples;
     const std::uint64_t samples = training.seconds > 0 ? most : (paths_of_training + pixels / 2) / pixels;
     const std::uint64_t fewest = training.request.mode == GuideMode::automatic ? fewest_automatic : fewest_samples;
     return static_cast<std::uint32_t>(std::bit_floor(std::clamp(samples, fewest, std::max(fewest, most))));

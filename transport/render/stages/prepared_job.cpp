@@ -12,7 +12,7 @@
 namespace raylex::transport {
 namespace {
 
-constexpr double guide_time_share = 1.0 / 6;  // of a time limit, for the training of a guide
+constexpr double guide_time_share = 1.0 / 4;  // of a time limit, for the training of a guide
 
 /// Whether a channel receives light without its path's throughput. The probability of paths then affects its values, so
 /// nothing may be pruned (Law 4). User events of surfaces are sampled in the same way.
