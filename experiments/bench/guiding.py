@@ -1,13 +1,13 @@
-"""Measures what a guide gains: efficiency 1 / (CPU time x squared error without the worst 0.1 %), as medians over seeds.
+"""Measures what a guide gains: efficiency 1 / (CPU time x squared error without the worst 0.1 %), medians over seeds.
 
     python3 experiments/bench/guiding.py PROGRAM [SCENE.pbrt...] [--size W H] [--seeds N] [--seconds S | --spp N]
                                          [--guide on|auto] [--methods NAME...]
 
-Without scenes: door-ajar, glass-fixtures, metal-kitchen and skylight. A study renders each scene by path, by path with a
-guide, and by bdpt, with one thread, each for S seconds or N samples. CPU time includes the training of the guide. The
-reference of a pixel is the mean of all guided renders but the one in question, so its noise is a part of all errors, and
-the ratios understate the gain. The columns are: method, CPU seconds, samples per pixel, squared error relative to the
-squared mean pixel, and efficiency relative to path.
+Without scenes: door-ajar, glass-fixtures, metal-kitchen and skylight. A study renders each scene by path, by path with
+a guide, and by bdpt, with one thread, each for S seconds or N samples. CPU time includes the training of the guide. The
+reference of a pixel is the mean of the guided renders with other seeds. The noise of the reference, computed from the
+guided errors, is subtracted. The columns are: method, CPU seconds, samples per pixel, squared error relative to the
+squared mean pixel, and efficiency.
 """
 
 import argparse
@@ -39,21 +39,24 @@ def measured(options, scene, folder):
     guided = [image for _, image in renders["guided"]]
     total = [sum(values) for values in zip(*guided)]
     print(f"\n{scene.parent.name}", flush=True)
-    efficiencies = {}
-    for name, found in renders.items():
+    efficiencies, noise = {}, 0  # noise: squared error of a guided render
+    for name in sorted(renders, key=lambda name: name != "guided"):
+        found = renders[name]
         rows = []
-        for cell, image in found:
-            own = image if name == "guided" else None
-            count = len(guided) - (own is not None)
-            reference = [(value - (own[i] if own else 0)) / count for i, value in enumerate(total)]
-            rows.append((cell["cpu_seconds"], cell["samples_per_pixel"], squared_error(image, reference)))
-        if not rows:
-            print(f"  {name:8} fails", flush=True)
+        for (cell, image), (_, own) in zip(found, renders["guided"]):
+            count = len(guided) - 1
+            error = squared_error(image, [(value - own[i]) / count for i, value in enumerate(total)])
+            error = error * count / (count + 1) if name == "guided" else error - noise / count
+            rows.append((cell["cpu_seconds"], cell["samples_per_pixel"], error))
+        if not rows or min(row[2] for row in rows) <= 0:
+            print(f"  {name:8} fails, or its error is below the noise of the reference", flush=True)
             continue
+        if name == "guided":
+            noise = statistics.mean(row[2] for row in rows)
         efficiencies[name] = statistics.median(1 / (row[0] * row[2]) for row in rows)
         cpu, samples, error = (statistics.median(column) for column in zip(*rows))
         learned = {cell.get("guide_samples", 0) for cell, _ in found}
-        print(f"  {name:8} {cpu:8.3g} s {samples:8.0f} {error:10.3g}  {efficiencies[name] / efficiencies['path']:.2f}"
+        print(f"  {name:8} {cpu:8.3g} s {samples:8.0f} {error:10.3g}  {efficiencies[name]:.3g}"
               + (f"  learned from {sorted(learned)} samples" if name == "guided" else ""), flush=True)
     return efficiencies["guided"] / efficiencies["path"]
 
@@ -63,7 +66,7 @@ def main():
     parser.add_argument("program")
     parser.add_argument("scenes", nargs="*", type=pathlib.Path)
     parser.add_argument("--size", type=int, nargs=2, default=[320, 180])
-    parser.add_argument("--seeds", type=int, default=8)
+    parser.add_argument("--seeds", type=int, default=8, help="at least 2")
     parser.add_argument("--seconds", type=float, default=60)
     parser.add_argument("--spp", type=int)
     parser.add_argument("--guide", choices=("on", "auto"), default="on")

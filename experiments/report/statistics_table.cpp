@@ -100,7 +100,7 @@ std::string statistics_table(const std::string& record) {
         {"Light samples not drawn: no layer uses them", "/pruned/light_samples"},
         {"Shadow rays not traced: no layer uses their light", "/pruned/shadow_rays"},
         {"Last rays replaced by light samples", "/pruned/rays_left_to_light_samples"},
-        {"Last light samples replaced by rays", "/pruned/light_samples_left_to_rays"},
+        {"Light samples left out at random", "/pruned/light_samples_left_to_rays"},
         {"Lobes not sampled: no layer uses that side of the surface", "/pruned/lobes"},
         {"Light paths not started or ended early: no layer uses them", "/pruned/light_paths"},
         {"Connections to light paths not made: no layer uses them", "/pruned/joins"},

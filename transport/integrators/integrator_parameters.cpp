@@ -76,7 +76,7 @@ std::vector<ParameterDescription> describe_guide_parameters() {
              "forecast shows that it pays"},
             {"guidesamples", ParameterType::integer, "0",
              "samples of each pixel from which the guide learns, rounded down to a power of 2, at least 2; 0: at most "
-             "an eighth of the samples or a sixth of the time limit, and at most 4096"}};
+             "a quarter of the samples or of the time limit, and at most 4096"}};
 }
 
 }  // namespace raylex::transport

@@ -8,15 +8,16 @@
 
 namespace raylex::transport {
 
-/// The causes for which work is left out, because no channel takes its light, or too little of it (Law 4).
+/// The causes for which work is left out, because no channel takes its light, or too little of it (Law 4). A guide also
+/// leaves out light samples of renders with beauty.
 enum class Pruned : std::uint8_t {
     paths,                       ///< paths that ended early: no channel accepts any continuation
     light_samples,               ///< light samples that were not drawn: no channel accepts a light there
     shadow_rays,                 ///< shadow rays of light samples and connections that no channel accepts
     rays_left_to_light_samples,  ///< scattering rays of last vertices that were not traced, because light samples find
                                  ///< the same light at less cost
-    light_samples_left_to_rays,  ///< light samples of last vertices that were not drawn, because scattering rays find
-                                 ///< the same light at less cost
+    light_samples_left_to_rays,  ///< light samples that were not drawn, because scattering rays of last vertices find
+                                 ///< the same light at less cost, or a guide has learned that they find little
     lobes,        ///< sides of an interface that were not sampled: no channel accepts a path on that side
     light_paths,  ///< light subpaths that were not begun, or ended early: no channel accepts a path through them
     connections,  ///< connections of light subpath vertices with camera subpaths or the camera that no channel accepts

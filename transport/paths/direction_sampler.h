@@ -24,7 +24,8 @@ class DirectionSampler {
     /// accept points without it.
     virtual void locate(std::span<SurfacePoint> points) const { static_cast<void>(points); }
 
-    /// Whether rays() determines how many rays leave the vertices of camera subpaths. Otherwise a plan and throughput
+    /// Whether rays() determines how many rays leave the vertices of camera subpaths, and light_share() how many light
+    /// samples they take. Only `path` supports it. Otherwise a plan and throughput
     /// do.
     [[nodiscard]] virtual bool plans_rays() const { return false; }
     /// The mean number of rays that leave a vertex, above 0, where a path arrives with a throughput of this mean
@@ -34,9 +35,10 @@ class DirectionSampler {
         return 1;
     }
     /// The probability, above 0, with which a vertex takes a light sample, where rays() determines the number of rays.
-    /// It must not depend on samples that follow.
-    [[nodiscard]] virtual Real light_share(const Bsdf& bsdf, const SurfacePoint& point, Real throughput) const {
-        static_cast<void>(bsdf), static_cast<void>(point), static_cast<void>(throughput);
+    /// It must not depend on samples that follow. Not called for closures whose mean depends on the weights of light
+    /// samples (Bsdf::depends_on_weights()).
+    [[nodiscard]] virtual Real light_share(const SurfacePoint& point, Real throughput) const {
+        static_cast<void>(point), static_cast<void>(throughput);
         return 1;
     }
 

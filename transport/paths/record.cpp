@@ -30,7 +30,7 @@ display::SuffixLiveness::LiveSet LightLanguage::live_set_of(lpe::EventClass term
 
 display::Liveness::LiveSet Record::live_set_of_channels(std::uint32_t row, std::int32_t label,
                                                         std::int32_t material) const {
-    if (!lpe_->live(trackers_[row])) return {0, false, false};
+    if (!is_followed(row)) return {0, false, false};
     return events_->liveness().after(trackers_[row], events_->scatterings(label, material));
 }
 

@@ -85,7 +85,7 @@ class Record {
 
     /// Whether the subpath can still find light that a channel takes.
     [[nodiscard]] bool is_live(std::uint32_t row) const {
-        return takes_all(row) || (lpe_->live(trackers_[row]) && events_->liveness().of(trackers_[row]).anything);
+        return takes_all(row) || (is_followed(row) && events_->liveness().of(trackers_[row]).anything);
     }
     /// What channels can still take after the subpath is scattered at the vertex, by any lobe of its material.
     [[nodiscard]] display::Liveness::LiveSet live_set(std::uint32_t row, std::int32_t label,
@@ -100,14 +100,16 @@ class Record {
     /// Whether the subpath can find light that a channel takes after this lobe scatters it at its vertex.
     [[nodiscard]] bool is_live_lobe(std::uint32_t row, std::int32_t label, LobeId lobe) const {
         const lpe::EventClass event = events_->scatter(label, lobe);
-        return lpe_->live(trackers_[row]) && events_->liveness().after(trackers_[row], {&event, 1}).anything;
+        return is_followed(row) && events_->liveness().after(trackers_[row], {&event, 1}).anything;
     }
     /// Whether the subpath can find light that a channel takes after a scattering in this medium.
     [[nodiscard]] bool is_live_in_medium(std::uint32_t row, std::int32_t medium) const;
     /// True if beauty takes the whole path, or if pruning is off. Then is_live() is true as well.
     [[nodiscard]] bool takes_all(std::uint32_t row) const {
-        return lpe_->takes_all(trackers_[row]) || !events_->prunes();
+        return lpe_->takes_all(trackers_[row]) || !(events_->prunes() || beauty_alone_);
     }
+    /// With `alone`, subpaths whose light is not part of the beauty end, whatever other channels take.
+    void follow_beauty_alone(bool alone) { beauty_alone_ = alone; }
     /// Whether a channel other than beauty can take light of the subpath.
     [[nodiscard]] bool channels_follow(std::uint32_t row) const { return lpe_->channels_follow(trackers_[row]); }
     /// Whether blocked light must be reported too.
@@ -160,6 +162,8 @@ class Record {
   private:
     [[nodiscard]] display::Liveness::LiveSet live_set_of_channels(std::uint32_t row, std::int32_t label,
                                                                   std::int32_t material) const;
+    /// For subpaths that are not takes_all().
+    [[nodiscard]] bool is_followed(std::uint32_t row) const { return !beauty_alone_ && lpe_->live(trackers_[row]); }
     void scatter(display::Tracker& tracker, std::int32_t label, const LobeList& lobes) const {
         if (!events_->any()) return;
         LobeParts parts;
@@ -168,6 +172,7 @@ class Record {
 
     const EventTable* events_;
     display::LpeServices* lpe_ = nullptr;
+    bool beauty_alone_ = false;
     std::vector<display::Tracker> trackers_;  // by row
 };
 

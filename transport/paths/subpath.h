@@ -2,7 +2,8 @@
 //
 // Subpath is what every stage reads: one cache line. What few renders need stands in arrays of the walk, by row, which
 // exist only where something reads them: SplitState where a plan changes paths, TechniqueShares where a plan has
-// shares, PartialMisWeights where the method reads densities, travelled distances where there are cutouts.
+// shares or a sampler of directions plans rays, PartialMisWeights where the method reads densities, travelled distances
+// where there are cutouts.
 #pragma once
 
 #include <cstdint>

@@ -56,6 +56,7 @@ void Walk<mode>::advance(display::DisplayServices& display) {
     keep_live_vertices(display);
     shade();
     if (in_media_) append_collisions();
+    if (context_.directions != nullptr) context_.directions->locate({vertices_.points.data(), vertices_.count});
 }
 
 /// Closest hits become vertices, without closures.
@@ -261,7 +262,6 @@ void Walk<mode>::shade() {
     if (options_.regularize)
         for (std::size_t j = 0; j < count; ++j)
             if (paths_[v.rows[j]].any_non_specular) v.bsdfs[j].regularize();
-    if (context_.directions != nullptr) context_.directions->locate({v.points.data(), count});
     if (wavelengths_.any()) wavelengths_.meet(v, paths_);
 }
 

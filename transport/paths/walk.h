@@ -229,7 +229,7 @@ class Walk {
     bool stays_short(std::size_t j, const Vec3& direction);
     [[nodiscard]] bool may_be_scattered(std::size_t j);
     template <bool planned>
-    bool survives_roulette(std::uint32_t row, std::uint32_t dimension);
+    bool survives_roulette(std::size_t j, std::uint32_t dimension);
     [[nodiscard]] Real planned_survival(std::uint32_t row) const;
     [[nodiscard]] std::uint64_t planned_state(std::uint32_t row) const;
     static Real take_branch(Subpath& path, SplitState& split, const BsdfSample& s);

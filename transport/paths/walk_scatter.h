@@ -56,11 +56,13 @@ std::uint64_t Walk<mode>::planned_state(std::uint32_t row) const {
 
 template <TransportMode mode>
 template <bool planned>
-bool Walk<mode>::survives_roulette(std::uint32_t row, std::uint32_t dimension) {
+bool Walk<mode>::survives_roulette(std::size_t j, std::uint32_t dimension) {
+    const std::uint32_t row = vertices_.rows[j];
     Subpath& path = paths_[row];
     Real keep = 1, chance = 0;
     if constexpr (planned) {
-        if (directions_plan_rays_) chance = path.specular ? 0 : 1;  // 1: decided before the direction was drawn
+        // 1: CameraSubpaths::choose_rays() decided before the direction was drawn, by the number of this dimension
+        if (directions_plan_rays_) chance = vertices_.bsdfs[j].has_density() ? 1 : 0;
         else if (!context_.plan->roulette.empty()) chance = planned_survival(row);
     }
     if (chance > 0) {
@@ -161,7 +163,6 @@ template <TransportMode mode>
                   .state = planned_state(row),
                   .throughput = throughput(row),
                   .reached = reached,
-                  .light_share = technique_shares(row).light,
                   .arrived = reached * factor,
                   .strength = path.beta.max() * path.roulette_scale,
                   .split = !splits_.empty() && splits_[row].split,
@@ -241,10 +242,11 @@ bool Walk<mode>::scatter_vertex(std::size_t j, [[maybe_unused]] std::uint32_t br
         reject(row);
         return false;
     }
-    if (path.beta.is_black() || !survives_roulette<planned>(row, dimensions.of(depth, dimensions.roulette)) ||
+    if (path.beta.is_black() || !survives_roulette<planned>(j, dimensions.of(depth, dimensions.roulette)) ||
         !goes_on(row))
         return false;
-    const bool weighs_rays = planned && !path.specular && !bsdf.is_biased();  // CameraSubpaths::expected_rays()
+    const bool weighs_rays =
+        planned && !path.specular && !bsdf.depends_on_weights();  // CameraSubpaths::expected_rays()
     if (weighs_rays) path.pdf *= rays;
     if (mode == TransportMode::radiance && later_ != nullptr)
         pass_vertex(j, s, reached, path.beta.average() / weighed, weighs_rays ? 1 : rays);

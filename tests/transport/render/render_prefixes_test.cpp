@@ -1,4 +1,5 @@
 // Channels with prefixes on rendered paths: unbiasedness, sums, equal bits.
+#include "transport/guide/guide_support.h"
 #include "transport/render_support.h"
 
 using namespace render_test;
@@ -348,4 +349,19 @@ TEST_CASE("channels that the integrator cannot fill are refused before the rende
     }
     settings.channels.list = {lpe_channel("mine", "nothruput;overwrite;C.*")};
     CHECK(transport::render(scene, settings).ok());
+}
+
+TEST_CASE("a guide learns the same beside a channel of holdouts", "[render][prefixes][guide][law2]") {
+    const auto scene = with_holdout(plate_scene(constant_sky), "plate");
+    const std::string mode = GENERATE("on", "auto");
+    transport::RenderSettings settings = guided_settings(64, 16);
+    settings.paths.integrator = with_guide(integrator_named("path"), mode, 64);
+    const auto alone = render_of(scene, settings);
+    CHECK(alone.statistics.guide.paths > 0);
+    settings.channels.list = {lpe_channel("catcher", "holdouts;C.*"), lpe_channel("drawn", "nothruput;C.*")};
+    const auto beside = render_of(scene, settings);
+    CHECK((beside.frame_buffer.resolve(beside.beauty) == alone.frame_buffer.resolve(alone.beauty)));
+    CHECK(beside.statistics.pilot_rays == alone.statistics.pilot_rays);
+    CHECK(beside.statistics.guide.gain == alone.statistics.guide.gain);
+    CHECK(total(beside.frame_buffer.resolve(1)) > 0);
 }

@@ -54,6 +54,9 @@ class Bsdf {
         const CoatLayer* coat = diffuse != nullptr ? &diffuse->coat : metal != nullptr ? &metal->coat : nullptr;
         return coat != nullptr && coat->as_pbrt && !coat->interface.facets.smooth();
     }
+    /// Whether a change of the weights in multiple importance sampling changes the image: evaluate() is biased, or
+    /// misses light that sample() finds, or pdf() may be stochastic.
+    [[nodiscard]] bool depends_on_weights() const { return is_biased() || !can_be_guided(); }
     /// The same closure with values that are unbiased, and a pdf() whose integral is at most about 1.
     [[nodiscard]] Bsdf without_bias() const;
     /// Whether any lobe has a density: false means that light sampling is of no use here.

@@ -17,14 +17,14 @@ class Guide final : public DirectionSampler {
     [[nodiscard]] const GuideTree& tree() const { return tree_; }
     /// Not while paths are drawn.
     void set_tree(GuideTree tree) { tree_ = std::move(tree); }
-    /// The least probability with which a path goes on, and takes a light sample, where the tree plans rays. Not while
-    /// paths are drawn.
-    void set_least_survival(Real probability) { least_survival_ = probability; }
+    /// Paths teach the guide: where its tree plans rays, at least a quarter of them go on, and vertices take all light
+    /// samples. Not while paths are drawn.
+    void set_training(bool training) { training_ = training; }
 
     void locate(std::span<SurfacePoint> points) const override;
     [[nodiscard]] bool plans_rays() const override { return tree_.plans_rays(); }
     [[nodiscard]] Real rays(const Bsdf& bsdf, const SurfacePoint& point, Real throughput) const override;
-    [[nodiscard]] Real light_share(const Bsdf& bsdf, const SurfacePoint& point, Real throughput) const override;
+    [[nodiscard]] Real light_share(const SurfacePoint& point, Real throughput) const override;
     [[nodiscard]] BsdfSample sample(const Bsdf& bsdf, const SurfacePoint& point, TransportMode mode, Real u_lobe,
                                     const Vec2& u) const override;
     [[nodiscard]] Real pdf(const Bsdf& bsdf, const SurfacePoint& point, TransportMode mode, const Vec3& to,
@@ -36,7 +36,7 @@ class Guide final : public DirectionSampler {
                                                      TransportMode mode) const;
     [[nodiscard]] std::uint32_t region_number(const SurfacePoint& point) const;  // computed where point lacks it
     GuideTree tree_;
-    Real least_survival_ = 0;
+    bool training_ = false;
 };
 
 }  // namespace raylex::transport

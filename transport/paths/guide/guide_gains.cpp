@@ -63,15 +63,14 @@ void GainSums::add(const LaterRadiance::Path& path, LaterLight& later) {
         Region& sums = regions_[tree_.place_of(v.position, v.normal).region];
         sums.departures.fetch_add(1, std::memory_order_relaxed);
         sums.rays.fetch_add(end - i, std::memory_order_relaxed);
-        // When the first ray leaves a vertex, the channel has just received what the light sample there has found. On
-        // an emitter, it has also received the emitted light.
+        // Before the first ray leaves a vertex, the channel receives what the light sample there has found, and light
+        // that surfaces emit at the vertex and media before it. So light samples in emitting media seem to find more.
         const bool first = i == 0 || v.depth == path.vertices[i - 1].depth + 1;
         if (first && !v.specular && !v.emits) {
             sums.vertices.fetch_add(1, std::memory_order_relaxed);
             const double sampled =
                 (path.before(i, 0) - (i == 0 ? 0 : path.before(i - 1, 0))) / (static_cast<double>(v.reached) * mean_);
-            sums.sampled.fetch_add(in_light_units(sampled * sampled * static_cast<double>(v.light_share)),
-                                   std::memory_order_relaxed);
+            sums.sampled.fetch_add(in_light_units(sampled * sampled), std::memory_order_relaxed);
         }
         const double light = path.behind(i, 0) / (static_cast<double>(v.arrived) * mean_);
         if (!(light > 0)) continue;
@@ -93,6 +92,7 @@ void GainSums::set_gains(GuideTree& refined, const LaterLight& of_paths) const {
     }
     if (!(squares > 0 && of_paths.variance > 0)) return;
     const double common = common_departures / departures;
+    constexpr float all_samples = 1e30f;
     const double efficiency = static_cast<double>(of_paths.rays) / of_paths.variance;
     for (std::size_t i = 0; i < refined.regions().size(); ++i) {
         const Region& region = regions_[refined.regions()[i].before];
@@ -101,10 +101,10 @@ void GainSums::set_gains(GuideTree& refined, const LaterLight& of_paths) const {
                      square = (sum_of(region.squares) + common * squares) / count,
                      cost = (sum_of(region.rays) + common * rays) * light_unit / count;
         const double by_sample = (sum_of(region.sampled) + common_departures * sampled / std::max(vertices, 1.0)) /
-                                 ((sum_of(region.vertices) + common_departures) * light_unit);
+                                 ((sum_of(region.vertices) + common_departures) * light_unit * light_sample_cost);
         refined.set_gain(i, static_cast<float>(std::sqrt(square / cost * efficiency)),
                          static_cast<float>(std::sqrt(std::max(0.0, square - mean * mean) / cost * efficiency)),
-                         static_cast<float>(std::sqrt(by_sample / light_sample_cost * efficiency)));
+                         vertices > 0 ? static_cast<float>(std::sqrt(by_sample * efficiency)) : all_samples);
     }
 }
 

@@ -53,7 +53,8 @@ class GainSums {
   public:
     /// `tree` must outlive the object. `mean`: of the image.
     GainSums(const GuideTree& tree, double mean) : tree_(tree), mean_(mean), regions_(tree.regions().size()) {}
-    /// Adds a path with one channel. Called by many threads at once; `later` is the caller's own.
+    /// Adds a path with one channel, whose vertices took all their light samples. Called by many threads at once;
+    /// `later` is the caller's own.
     void add(const LaterRadiance::Path& path, LaterLight& later);
     /// Sets the gains of `refined`, the tree that was made of this one. `of_paths`: the sums over all paths.
     void set_gains(GuideTree& refined, const LaterLight& of_paths) const;
@@ -62,7 +63,7 @@ class GainSums {
     struct Region {
         std::atomic<std::uint64_t> departures{0}, rays{0};   // rays: these, and all that follow
         std::atomic<std::uint64_t> light{0}, squares{0};     // over the throughput and the image's mean
-        std::atomic<std::uint64_t> vertices{0}, sampled{0};  // squares of light samples, as if all vertices took one
+        std::atomic<std::uint64_t> vertices{0}, sampled{0};  // vertices that took light samples, and their squares
     };
     const GuideTree& tree_;
     const double mean_;

@@ -27,7 +27,6 @@ struct PassedVertex {
     std::uint64_t state = 0;  ///< state of the path's tracker, by which a plan distinguishes paths
     Rgb throughput;           ///< includes the scattering here; each ray of a split vertex carries its part of it
     Real reached = 0;         ///< mean colour of the throughput with which the path arrived
-    Real light_share = 1;     ///< probability with which the vertex took a light sample
     /// Mean colour of the throughput with which the path arrived, times the factors that roulette and splits have given
     /// the ray.
     Real arrived = 0;

@@ -41,9 +41,9 @@ class CameraSubpaths : public Walk<TransportMode::radiance> {
         if (!shares_.empty()) shares_[row] = shares;
     }
     /// The expected number of rays that leave vertex j in directions with a density and compete with light samples. 1
-    /// at biased closures, where the weights decide the mean.
+    /// at closures whose mean depends on the weights.
     [[nodiscard]] Real expected_rays(std::size_t j) const {
-        if (vertices().bsdfs[j].is_biased()) return 1;
+        if (vertices().bsdfs[j].depends_on_weights()) return 1;
         const std::uint32_t row = vertices().rows[j];
         const Real rays = splits_.empty() ? 1 : splits_[row].expected;
         return shares_.empty() ? rays : shares_[row].ray * rays;

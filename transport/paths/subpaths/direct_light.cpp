@@ -25,7 +25,7 @@ DirectLight::DirectLight(const PathContext& context, const LightLanguage* langua
       lights_(
           std::make_shared<const LiveLights>(LiveLights::alike_everywhere(context.scene, *context.events, language))) {}
 
-bool DirectLight::draw(CameraSubpaths& camera, std::size_t j, LightSample& sample) const {
+bool DirectLight::draw(CameraSubpaths& camera, std::size_t j, bool planned, LightSample& sample) const {
     const SceneView& scene = context_->scene;
     const VertexBatch& v = camera.vertices();
     const std::uint32_t row = v.rows[j];
@@ -34,16 +34,16 @@ bool DirectLight::draw(CameraSubpaths& camera, std::size_t j, LightSample& sampl
     const std::uint32_t depth = camera.path(row).depth;
     std::uint8_t lights = chooser().empty() ? LiveLights::none : LiveLights::all;
     TechniqueShares shares;
-    const DirectionSampler* directions = context_->directions;
-    const bool planned = directions != nullptr && directions->plans_rays();
-    if (planned) shares.light = directions->light_share(v.bsdfs[j], point, camera.path(row).beta.average());
-    if (!camera.record().takes_all(row)) {
+    if (planned && !v.bsdfs[j].depends_on_weights())
+        shares.light = context_->directions->light_share(point, camera.path(row).beta.average());
+    const bool takes_all = camera.record().takes_all(row);
+    if (!takes_all) {
         const display::Liveness::LiveSet live = camera.record().live_set(row, v.sources[j].label, point.material);
         if (!live.anything) return false;
         lights = lights_->of(live);
         if (!live.scatters && lights != LiveLights::none && context_->plan != nullptr) shares = context_->plan->shares;
     }
-    if (planned || !camera.record().takes_all(row)) camera.choose_techniques(row, lights, shares);
+    if (planned || !takes_all) camera.choose_techniques(row, lights, shares);
     IntegratorCounters& counters = camera.counters();
     if (lights == LiveLights::none) {
         counters.count(Pruned::light_samples);

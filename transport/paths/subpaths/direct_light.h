@@ -53,8 +53,9 @@ class DirectLight {
     [[nodiscard]] const LightChooser& chooser() const { return (*lights_)[LiveLights::all]; }
 
   private:
-    /// Decides whether vertex j takes a light sample, and draws it. Returns false if the vertex takes none.
-    bool draw(CameraSubpaths& camera, std::size_t j, LightSample& sample) const;
+    /// Decides whether vertex j takes a light sample, and draws it. Returns false if the vertex takes none. `planned`:
+    /// the sampler of directions plans rays.
+    bool draw(CameraSubpaths& camera, std::size_t j, bool planned, LightSample& sample) const;
 
     const PathContext* context_ = nullptr;
     std::shared_ptr<const LiveLights> lights_;
@@ -66,9 +67,10 @@ void DirectLight::sample(CameraSubpaths& camera, Connections& connections, Weigh
     if (chooser().empty() && !lights_->none_is_live()) return;
     camera.draw_light_pairs();
     const VertexBatch& v = camera.vertices();
+    const bool planned = context_->directions != nullptr && context_->directions->plans_rays();
     for (std::size_t j = 0; j < v.count; ++j) {
         LightSample light;
-        if (!camera.can_connect(j) || !draw(camera, j, light)) continue;
+        if (!camera.can_connect(j) || !draw(camera, j, planned, light)) continue;
         const BsdfEvaluation f = evaluate_towards(context_->directions, v.bsdfs[j], v.points[j], light.wi);
         if (!f.value.is_black()) connections.add_light_sample(camera, j, light, f, weight(j, light, f));
     }

@@ -37,8 +37,6 @@ constexpr std::size_t guide_bytes = std::size_t{64} << 20;  // sums of a round a
 constexpr double guide_vertex_cost = 0.6;
 // A region's share is chosen as if it were less: most of the cost is spent whether regions use the guide or not.
 constexpr double guide_share_cost = 1.02;
-// Where a guide has found nothing yet, other paths may find light.
-constexpr Real training_survival = Real(0.25);
 // Least gains with which `auto` goes on, by the number of rounds that are left. Each of these rounds takes more time
 // than all before, and a guide becomes better with each.
 constexpr std::array<double, 5> worthwhile_gains{0.95, 1.0, 1.05, 1.1, 1.1};
@@ -106,7 +104,7 @@ GuidePilot::GuidePilot(const IntegratorContext& context, const GuideTraining& tr
     context_.first_hits.pattern_channels = false;
     context_.scene.general_code = {};  // the cost of effects that are forced on changes no choice
     guide_ = std::make_unique<Guide>(GuideTree(context.scene.geometry->lit_bounds()));
-    guide_->set_least_survival(training_survival);
+    guide_->set_training(true);
     plain_ = make_integrator(nullptr);
     guided_ = make_integrator(guide_.get());
     const std::size_t channels = training.channels.size();
@@ -332,7 +330,7 @@ void GuidePilot::refine(bool final) {
     gain_sums_.reset();
     sums_.reset();
     guide_->set_tree(std::move(tree));
-    if (final) guide_->set_least_survival(0);
+    if (final) guide_->set_training(false);
 }
 
 void GuidePilot::summarize(TrainedGuide& trained) const {
