@@ -48,14 +48,14 @@ TEST_CASE("one command trains for all shards, and they merge to the bits of one 
     for (const char* file : {"1.json", "2.json"}) {
         const Json statistics = parse_json(folder.read(file));
         CHECK(statistics["guide"]["read"] == true);
-        CHECK(statistics["guide"]["samples_per_pixel"] == 8);
+        CHECK(statistics["guide"]["samples_per_pixel"] == 16);
         CHECK(statistics["guide"]["paths"] == 0);
         CHECK(statistics["guide"]["cpu_seconds"] == 0);
         CHECK(statistics["rays"]["pilot"] == 0);
     }
     // No shard trained, so the training is in no sum of theirs.
     CHECK(contains(folder.good("merge --shards 2 -o out.exr").out,
-                   "CPU in total; the guide learned from 8 other samples of each pixel\n"));
+                   "CPU in total; the guide learned from 16 other samples of each pixel\n"));
     CHECK((image_bits(folder.path("out.exr")) == image_bits(folder.path("whole.exr"))));
     // Its first shard trains.
     const std::string first = "render guided.toml -o b.exr --guide-file b.guide";
@@ -64,7 +64,7 @@ TEST_CASE("one command trains for all shards, and they merge to the bits of one 
     CHECK(parse_json(folder.read("1.json"))["rays"]["pilot"] > 0);
     (void)folder.good(first + " --shard 2/2");
     CHECK(matches(folder.good("merge --shards 2 -o b.exr").out,
-                  "[^]*the guide learned from 8 other samples[^\\n]* CPU\\)\n"));
+                  "[^]*the guide learned from 16 other samples[^\\n]* CPU\\)\n"));
     CHECK((image_bits(folder.path("b.exr")) == image_bits(folder.path("whole.exr"))));
     CHECK((folder.read("b.guide") == bytes));
     // A render that reads, and a second training that finds the file.
@@ -130,7 +130,7 @@ TEST_CASE("guide files that cannot be used are refused by name", "[guide][law7]"
     check_refused(
         folder, render + "ours.guide --seed 1",
         {"ours.guide", "it belongs to another render", "seed: 0 there, 1 here", "a name that does not exist yet"});
-    check_refused(folder, render + "ours.guide --spp 256 --shard 1/2", {"training: 8 samples", "32 samples of each"});
+    check_refused(folder, render + "ours.guide --spp 256 --shard 1/2", {"training: 16 samples", "64 samples of each"});
     folder.write("other.pbrt", folder.read("room.pbrt") + "\nLightSource \"point\"\n");
     folder.write("other.toml",
                  "[scene]\nfile = 'other.pbrt'\n[render]\nspp = 64\n[integrator]\ntype = 'path'\n"
