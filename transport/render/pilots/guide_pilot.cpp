@@ -39,15 +39,15 @@ constexpr double guide_vertex_cost = 0.6;
 constexpr double guide_share_cost = 1.02;
 // Least gains with which `auto` goes on, by the number of rounds that are left. Each of these rounds takes more time
 // than all before, and a guide becomes better with each.
-constexpr std::array<double, 5> worthwhile_gains{0.95, 1.0, 1.05, 1.1, 1.1};
+constexpr std::array<double, 5> worthwhile_gains{0.95, 1.0, 1.05, 1.05, 1.05};
 constexpr double most_unlikely = 1e4;
 
 /// Sums over the paths through a tile of the image.
 struct GuideTile {
     display::PixelRegion pixels;
-    std::vector<double> received;  // [channel] in all rounds
-    std::vector<double> weights;   // [channel] of squares: over the square of the mean there
-    std::uint64_t paths = 0;
+    std::vector<double> received;        // [channel] in all rounds
+    std::vector<double> weights;         // [channel] of squares: over the square of the mean there
+    std::uint64_t paths = 0, finds = 0;  // finds: departures that led to light, in round 0
     // Of one round, in these weights: squares as drawn, as expected without the guide, and of the pixels' means.
     double guided = 0, unguided = 0, of_means = 0;
     LaterLight later;  // of one round
@@ -136,6 +136,11 @@ std::unique_ptr<Integrator> GuidePilot::make_integrator(const DirectionSampler* 
 /// The weight of a tile is 1 over the square of its mean, but dark tiles do not count more than those of half the
 /// image's mean.
 void GuidePilot::weigh() {
+    std::uint64_t finds_of_first = 0, first_paths = 0;
+    for (const GuideTile& tile : tiles_) finds_of_first += tile.finds, first_paths += tile.paths;
+    if (round_ == 0)  // with few records so far, a find is worth at least eight
+        finds_of_path_ =
+            std::clamp(static_cast<double>(finds_of_first) / static_cast<double>(first_paths), 1e-3, 0.125);
     for (std::size_t c = 0; c < training_.channels.size(); ++c) {
         double sum = 0, paths = 0;
         for (const GuideTile& tile : tiles_) sum += tile.received[c], paths += static_cast<double>(tile.paths);
@@ -157,7 +162,11 @@ void GuidePilot::learn(GuideTile& tile, GuideWorker& worker, std::uint64_t row, 
         drawn += tile.weights[c] * path.received[c] * path.received[c];
     }
     ++tile.paths;
-    if (round_ == 0) return;
+    if (round_ == 0) {
+        for (std::size_t i = 0; i < path.vertices.size(); ++i)
+            if (path.vertices[i].guidable && path.behind(i, 0) > 0) ++tile.finds;
+        return;
+    }
     if (gain_sums_) gain_sums_->add(path, tile.later);
     // Without the guide, light found behind vertex i would arrive with the factor R_i, the product of draw over closure
     // up to there, and as often as 1 / R_i. So pairs of finds count with the R of what they have in common.
