@@ -354,7 +354,7 @@ TEST_CASE("in five scenes 10,000 regions have densities that integrate to 1 and 
     std::size_t regions = 0, guided = 0;
     Random random(1);
     for (const transport::SceneDescription& scene : scenes) {
-        const transport::TrainedGuide trained = learned(scene, 64);
+        const transport::TrainedGuide trained = learned(scene, 128);
         REQUIRE(trained.guide != nullptr);
         const transport::Guide& guide = *trained.guide;
         const std::size_t count = guide.tree().regions().size();
