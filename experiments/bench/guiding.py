@@ -72,6 +72,8 @@ def main():
     parser.add_argument("--guide", choices=("on", "auto"), default="on")
     parser.add_argument("--methods", nargs="+", default=["path", "guided", "bdpt"])
     options = parser.parse_args()
+    if options.seeds < 2 or not {"path", "guided"} <= set(options.methods):
+        parser.error("expected at least 2 seeds, and the methods path and guided")
     options.program = os.path.abspath(options.program)
     names = ("door-ajar", "glass-fixtures", "metal-kitchen", "skylight")
     gains = []

@@ -129,7 +129,8 @@ class SameAsTheProgram(Case):
         self.assertTrue(all(image.verify()))
 
     def test_passes_sum(self):
-        passes = [{"method": "path", "takes": "rest"}, {"method": "bdpt", "takes": "CD.*", "spp": 16, "roulette": False}]
+        passes = [{"method": "path", "takes": "rest"},
+                  {"method": "bdpt", "takes": "CD.*", "spp": 16, "roulette": False}]
         progress = []
         image = raylex.render(white_furnace(0.5), spp=64, max_depth=3, passes=passes, layer_passes=True,
                               progress=lambda now: progress.append(now.fraction))

@@ -230,7 +230,7 @@ bool Walk<mode>::scatter_vertex(std::size_t j, [[maybe_unused]] std::uint32_t br
     if (!(s.pdf > 0) || s.weight.is_black()) return false;
     const Real reached = path.beta.average();
     path.beta *= s.weight;
-    const Real weighed = path.beta.average();
+    const Real weighed = mode == TransportMode::radiance && later_ != nullptr ? path.beta.average() : Real(1);
     const Real rays = planned ? take_branch(path, splits_[row], s) : 1;
     leave_vertex<mode>(path, point, s);
     if (mode == TransportMode::radiance && directions != nullptr) path.roulette_scale *= s.favoured;

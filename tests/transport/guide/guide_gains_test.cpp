@@ -120,7 +120,7 @@ TEST_CASE("short renders are unbiased where survivors are rare and branches many
 
 TEST_CASE("a number of rays that is planned replaces the roulette by throughput, also where a mirror lobe is drawn",
           "[guide][gain][render][gate][statistical]") {
-    // One number decided both, so weak paths by the mirror were 1 / 0.9 times too bright.
+    // If the same number decided both, weak paths by the mirror would be 1 / 0.9 times too bright.
     register_directed("path-with-nine-tenths", "path", std::make_shared<PlantedRays>(Real(0.9)));
     const double kd = 0.1, ks = 0.3;
     const auto scene = transport::BuiltScene::build(scene_of(enclosure(kd, ks)));
@@ -133,7 +133,7 @@ TEST_CASE("a number of rays that is planned replaces the roulette by throughput,
     // 100 renders: Student's t beyond 5 by chance less than once in 10^5 comparisons.
     const Replicates found = replicates(**scene, settings, static_cast<int>(values.size()), 100, 1);
     check_lengths(found, values, 5);
-    CHECK(5 * found.channel(4).error < 0.05 * values[4]);  // three reflections: the error was 8 %
+    CHECK(5 * found.channel(4).error < 0.05 * values[4]);  // three reflections would be 8 % too bright
 }
 
 TEST_CASE("few light samples find the light of an area, a spot and the sky, also in fog",

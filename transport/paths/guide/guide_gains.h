@@ -10,9 +10,9 @@
 // best one costs about as much as one that is 1 / f times the best, and little where f is near 1. So sqrt(m) rays leave
 // the vertex: they lose little where m is right, and much less than m rays where it is wrong.
 //
-// A light sample is one more ray, with the mean square of what it finds in the place of S, and its own cost in the
-// place of R. A vertex takes it with the probability sqrt(m), at most 1. So vertices that no light sample reaches save
-// most of them.
+// A light sample counts as one more ray. The mean square of what light samples find takes the place of S, and the cost
+// of a light sample that of R. A vertex takes its light sample with the probability sqrt(m), at most 1. So where light
+// samples find nothing, most of them are left out.
 //
 // The number depends on the training, the throughput and the vertex, and never on samples that it weighs: the image is
 // unbiased.

@@ -43,6 +43,7 @@ class CameraSubpaths : public Walk<TransportMode::radiance> {
     /// The expected number of rays that leave vertex j in directions with a density and compete with light samples. 1
     /// at closures whose mean depends on the weights.
     [[nodiscard]] Real expected_rays(std::size_t j) const {
+        if (splits_.empty() && shares_.empty()) return 1;
         if (vertices().bsdfs[j].depends_on_weights()) return 1;
         const std::uint32_t row = vertices().rows[j];
         const Real rays = splits_.empty() ? 1 : splits_[row].expected;

@@ -138,7 +138,7 @@ std::unique_ptr<Integrator> GuidePilot::make_integrator(const DirectionSampler* 
 void GuidePilot::weigh() {
     std::uint64_t finds_of_first = 0, first_paths = 0;
     for (const GuideTile& tile : tiles_) finds_of_first += tile.finds, first_paths += tile.paths;
-    if (round_ == 0)  // with few records so far, a find is worth at least eight
+    if (round_ == 0)  // Round 1 has few finds, so it shares each with at least eight places.
         finds_of_path_ =
             std::clamp(static_cast<double>(finds_of_first) / static_cast<double>(first_paths), 1e-3, 0.125);
     for (std::size_t c = 0; c < training_.channels.size(); ++c) {
