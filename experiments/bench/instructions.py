@@ -47,7 +47,7 @@ LOOPS = [
     ("channels", ["display::"]),
     ("camera", ["Camera::"]),
     ("media", ["Medium", "transmittance", "optical_depth", "sample_phase", "Phase"]),
-    ("paths", ["Walk<", "Subpaths", "DirectLight", "LightEmitters", "Connections", "Record", "Integrator", "EventTable", "Bdpt", "PartialMisWeights", "ray_from"]),
+    ("paths", ["Walk<", "Subpaths", "DirectLight", "LightEmitters", "Connections", "Record", "Integrator", "EventTable", "Bdpt", "PartialMisWeights", "ray_from", "weigh_importance"]),
     ("lights", ["Light", "Environment", "area_sample"]),
     ("geometry", ["EmbreeScene", "ShapeGeometry", "Quadric", "Patch", "intersect_user", "occlude_user", "Placement", "Transform"]),
     ("materials", ["Material", "Bsdf", "Texture", "Image", "Closure", "Coat", "Ggx", "fresnel", "evaluate_scattering", "LocalSample"]),
