@@ -54,8 +54,10 @@ RayCone scattered_cone(const EmbreeScene& geometry, const Hit& hit, const Surfac
                        const BsdfSample& sample) {
     RayCone cone = hit.cone;
     if (!sample.delta) {
-        // A cone of full angle a holds pi a^2 / 4 steradians; the sample stands for 1 / pdf of them.
-        const Real angle = least_share * 2 / std::sqrt(pi * sample.pdf);
+        // A cone of full angle a holds pi a^2 / 4 steradians; the sample stands for 1 / pdf of them. The density is the
+        // closure's: with that of a sampler of directions, filtered textures would have another mean.
+        const Real closure_pdf = sample.pdf * sample.drawn_over_pdf / sample.favoured;
+        const Real angle = least_share * 2 / std::sqrt(pi * closure_pdf);
         if (angle > std::abs(cone.spread)) cone.spread = angle;
         return cone;
     }

@@ -80,10 +80,13 @@ TEST_CASE("no survival is below a twentieth, and no vertex has more than eight b
             for (const Real throughput : {0.0f, 1e-9f, 0.01f, 1.0f, 1e6f}) {
                 region.by_square = by_square;
                 region.by_noise = by_square * noisy;
-                const Real rays = transport::rays_by_gain(region, throughput);
+                const Real rays = transport::rays_by_gain(region, throughput, false);
                 CHECK(rays >= transport::least_survival);
                 CHECK(rays <= 8);
                 if (by_square * throughput >= 1) CHECK(rays >= 1);
+                const Real in_training = transport::rays_by_gain(region, throughput, true);
+                CHECK(in_training >= 0.25f);
+                CHECK(in_training <= (by_square * throughput >= 1 ? rays : 1));
                 region.by_light = by_square;
                 const Real share = transport::light_share_by_gain(region, throughput);
                 CHECK(share >= transport::least_survival);

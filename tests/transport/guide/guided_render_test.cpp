@@ -1,6 +1,7 @@
 // Renders whose paths a guide draws: the image stays what it is without the guide.
 #include "transport/enclosure.h"
 #include "transport/guide/guide_support.h"
+#include "transport/image_file.h"
 #include "transport/paths/guide/guide_view.h"
 #include "transport/render/stages/prepared_job.h"
 
@@ -61,6 +62,43 @@ TEST_CASE("guided paths estimate the image of paths that closures draw", "[guide
         const Replicates plain = replicates(**scene, settings, 3, 12, 100);
         check_agreement(plain, guided, {"beauty", "direct", "indirect"});
         check_agreement(plain, bidirectional, {"beauty", "direct", "indirect"});
+        CHECK(plain.mean(0) != guided.mean(0));
+    }
+}
+
+TEST_CASE("a guide does not change how textures are filtered", "[guide][render][texture-filter][gate][statistical]") {
+    // Nearly all light comes by a small white patch of the ceiling, so a guide draws its direction much more often than
+    // the closure does. With footprints by the guide's density, the patch would not be blurred, and the floor would be
+    // about three times as bright.
+    std::vector<Rgb> texels(128 * 128, Rgb(0));
+    for (int y = 80; y < 84; ++y)
+        for (int x = 70; x < 74; ++x) texels[static_cast<std::size_t>(y * 128 + x)] = Rgb(1);
+    const ImageFile image(128, 128, texels);
+    for (const std::string filter : {"bilinear", "trilinear"}) {
+        CAPTURE(filter);
+        const auto scene = transport::BuiltScene::build(scene_of(R"(
+Film "rgb" "integer xresolution" 16 "integer yresolution" 16
+Integrator "path" "integer maxdepth" 3
+LookAt 0 1 0  0 0 0  0 0 1
+Camera "perspective" "float fov" 60
+WorldBegin
+AttributeBegin Translate 0 0.1 0
+  LightSource "spot" "rgb I" [20 20 20] "point3 from" [0 0 0] "point3 to" [0 1 0] "float coneangle" 50
+AttributeEnd
+Material "diffuse" "rgb reflectance" [0.5 0.5 0.5]
+Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-1 0 -1 -1 0 1 1 0 1 1 0 -1]
+Texture "patch" "spectrum" "imagemap" "string encoding" "linear" "string filter" ")" +
+                                                                 filter + "\"" + image.parameter() + R"(
+Material "diffuse" "texture reflectance" "patch"
+Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-1 2 -1 1 2 -1 1 2 1 -1 2 1]
+    "point2 uv" [0 0 1 0 1 1 0 1]
+)"));
+        REQUIRE(scene.ok());
+        transport::RenderSettings settings = guided_settings(64, 512);
+        const Replicates guided = replicates(**scene, settings, 1, 12, 500);
+        settings.paths.integrator = integrator_named("path");
+        const Replicates plain = replicates(**scene, settings, 1, 12, 500);
+        check_agreement(plain, guided, {"beauty"});
         CHECK(plain.mean(0) != guided.mean(0));
     }
 }

@@ -8,9 +8,6 @@
 namespace raylex::transport {
 namespace {
 
-// While a guide learns: where it has found nothing yet, other paths may find light.
-constexpr Real training_survival = Real(0.25);
-
 /// In both functions the same operations, so that sample() and pdf() agree to the bit.
 Real mixed(Real share, Real by_guide, Real by_closure) {
     return share * by_guide + (1 - share) * by_closure;
@@ -39,8 +36,7 @@ void Guide::locate(std::span<SurfacePoint> points) const {
 
 Real Guide::rays(const Bsdf& bsdf, const SurfacePoint& point, Real throughput) const {
     if (!bsdf.has_density()) return 1;
-    return std::max(rays_by_gain(tree_.region(region_number(point)), throughput),
-                    training_ ? training_survival : least_survival);
+    return rays_by_gain(tree_.region(region_number(point)), throughput, training_);
 }
 
 /// The training takes all light samples: with fewer, they would weigh less, and seem to find less.

@@ -13,6 +13,9 @@ constexpr double common_departures = 64;
 // Of a light sample and its shadow ray, in rays and what they cost at their vertices.
 constexpr double light_sample_cost = 0.5;
 
+// While a guide learns: where it has found nothing yet, other paths may find light.
+constexpr Real training_survival = Real(0.25);
+
 constexpr double light_unit = 0x1p20;
 /// A sum of 2^23 values stays below 2^63.
 std::uint64_t in_light_units(double value) {
@@ -26,15 +29,15 @@ double sum_of(const std::atomic<std::uint64_t>& sum) {
 
 }  // namespace
 
-Real rays_by_gain(const GuideTree::Region& region, Real throughput) {
+Real rays_by_gain(const GuideTree::Region& region, Real throughput, bool training) {
+    const auto rays = [training](Real m) { return training ? std::sqrt(m) : m; };
     const Real by_square = throughput * region.by_square;
-    if (by_square < 1) return std::max(std::sqrt(by_square), least_survival);
-    return std::clamp(std::sqrt(throughput * region.by_noise), Real(1), most_branches);
+    if (by_square < 1) return std::max(rays(by_square), training ? training_survival : least_survival);
+    return std::clamp(rays(throughput * region.by_noise), Real(1), most_branches);
 }
 
 Real light_share_by_gain(const GuideTree::Region& region, Real throughput) {
-    const Real rays = throughput * region.by_light;
-    return rays < 1 ? std::max(std::sqrt(rays), least_survival) : 1;
+    return std::clamp(throughput * region.by_light, least_survival, Real(1));
 }
 
 void LaterLight::add(double light, std::uint64_t rays_of_path) {

@@ -6,13 +6,13 @@
 // path, and C its number of rays. The product of the image's variance and cost is least where m = T sqrt(S / R x C / V)
 // rays leave the vertex: below 1 a probability, above 1 (with the variance in the place of S) a number of branches.
 //
-// S and R are known from a few hundred paths, and V is often that of rare paths. A number of rays that is f times the
-// best one costs about as much as one that is 1 / f times the best, and little where f is near 1. So sqrt(m) rays leave
-// the vertex: they lose little where m is right, and much less than m rays where it is wrong.
+// In training, S, R and V are those of few and badly guided paths. A number of rays that is f times the best one costs
+// about as much as one that is 1 / f times the best, and little where f is near 1. So sqrt(m) rays leave a vertex in
+// training: they lose little where m is right, and much less than m rays where it is wrong. In the image m rays leave.
 //
 // A light sample counts as one more ray. The mean square of what light samples find takes the place of S, and the cost
-// of a light sample that of R. A vertex takes its light sample with the probability sqrt(m), at most 1. So where light
-// samples find nothing, most of them are left out.
+// of a light sample that of R. A vertex of the image takes its light sample with the probability m, at most 1. So where
+// light samples find nothing, most of them are left out.
 //
 // The number depends on the training, the throughput and the vertex, and never on samples that it weighs: the image is
 // unbiased.
@@ -29,9 +29,9 @@ namespace raylex::transport {
 
 inline constexpr Real least_survival = Real(0.05), most_branches = 8;
 
-/// The mean number of rays that leave a vertex in `region`, in [least_survival, most_branches]. `throughput`: its mean
-/// colour.
-Real rays_by_gain(const GuideTree::Region& region, Real throughput);
+/// The mean number of rays that leave a vertex in `region`, in [least_survival, most_branches], and at least 1/4 in
+/// training. `throughput`: its mean colour.
+Real rays_by_gain(const GuideTree::Region& region, Real throughput, bool training);
 /// The probability with which a vertex in `region` takes a light sample, in [least_survival, 1]. `throughput`: its mean
 /// colour.
 Real light_share_by_gain(const GuideTree::Region& region, Real throughput);
