@@ -106,9 +106,10 @@ class Record {
     [[nodiscard]] bool is_live_in_medium(std::uint32_t row, std::int32_t medium) const;
     /// True if beauty takes the whole path, or if pruning is off. Then is_live() is true as well.
     [[nodiscard]] bool takes_all(std::uint32_t row) const {
-        return lpe_->takes_all(trackers_[row]) || !(events_->prunes() || beauty_alone_);
+        return lpe_->takes_all(trackers_[row]) || !(events_->prunes() || is_dropped(row));
     }
-    /// With `alone`, subpaths whose light is not part of the beauty end, whatever other channels take.
+    /// With `alone`, subpaths that are held out end, whatever channels take. No beauty and no class of paths takes their
+    /// light.
     void follow_beauty_alone(bool alone) { beauty_alone_ = alone; }
     /// Whether a channel other than beauty can take light of the subpath.
     [[nodiscard]] bool channels_follow(std::uint32_t row) const { return lpe_->channels_follow(trackers_[row]); }
@@ -163,7 +164,10 @@ class Record {
     [[nodiscard]] display::Liveness::LiveSet live_set_of_channels(std::uint32_t row, std::int32_t label,
                                                                   std::int32_t material) const;
     /// For subpaths that are not takes_all().
-    [[nodiscard]] bool is_followed(std::uint32_t row) const { return !beauty_alone_ && lpe_->live(trackers_[row]); }
+    [[nodiscard]] bool is_followed(std::uint32_t row) const { return !is_dropped(row) && lpe_->live(trackers_[row]); }
+    [[nodiscard]] bool is_dropped(std::uint32_t row) const {
+        return beauty_alone_ && lpe_->is_held_out(trackers_[row]);
+    }
     void scatter(display::Tracker& tracker, std::int32_t label, const LobeList& lobes) const {
         if (!events_->any()) return;
         LobeParts parts;

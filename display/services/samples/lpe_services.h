@@ -292,6 +292,7 @@ class LpeServices {
     [[nodiscard]] bool wants_beauty() const { return setup_.beauty_ >= 0; }
     /// Whether any channel other than beauty still follows the path.
     [[nodiscard]] bool channels_follow(const Tracker& tracker) const { return tracker.count_ != 0; }
+    [[nodiscard]] bool is_held_out(const Tracker& tracker) const { return tracker.held_out_; }
     /// Whether beauty takes everything that this path finds, so that nothing of it can be saved.
     [[nodiscard]] bool takes_all(const Tracker& tracker) const { return setup_.beauty_ >= 0 && !tracker.held_out_; }
 

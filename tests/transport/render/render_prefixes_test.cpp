@@ -353,12 +353,15 @@ TEST_CASE("channels that the integrator cannot fill are refused before the rende
 
 TEST_CASE("a guide learns the same beside a channel of holdouts", "[render][prefixes][guide][law2]") {
     const auto scene = with_holdout(plate_scene(constant_sky), "plate");
-    const std::string mode = GENERATE("on", "auto");
+    const std::string mode = GENERATE("on", "auto"), takes = GENERATE("", "C<R.>.*");
+    CAPTURE(mode, takes);
     transport::RenderSettings settings = guided_settings(64, 16);
     settings.paths.integrator = with_guide(integrator_named("path"), mode, 64);
+    settings.channels.takes = takes;  // of a pass
     const auto alone = render_of(scene, settings);
     CHECK(alone.statistics.guide.paths > 0);
-    settings.channels.list = {lpe_channel("catcher", "holdouts;C.*"), lpe_channel("drawn", "nothruput;C.*")};
+    settings.channels.list = {lpe_channel("catcher", "holdouts;" + (takes.empty() ? "C.*" : takes))};
+    if (takes.empty()) settings.channels.list.push_back(lpe_channel("drawn", "nothruput;C.*"));
     const auto beside = render_of(scene, settings);
     CHECK((beside.frame_buffer.resolve(beside.beauty) == alone.frame_buffer.resolve(alone.beauty)));
     CHECK(beside.statistics.pilot_rays == alone.statistics.pilot_rays);

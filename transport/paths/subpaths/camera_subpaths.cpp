@@ -42,7 +42,8 @@ void CameraSubpaths::begin(const CameraBatch& batch, ThreadServices& services, I
     }
     Walk::begin(samplers, counters);
     record_.begin(services.lpe, batch.rays.size());
-    record_.follow_beauty_alone(later_ != nullptr && context_.beauty);  // what is learned depends on no layer (Law 2)
+    // What is learned depends on no layer beside the beauty or the class of the pass (Law 2).
+    record_.follow_beauty_alone(later_ != nullptr && (context_.beauty || services.lpe.is_of_class()));
     std::fill(splits_.begin(), splits_.end(), SplitState());
     std::fill(shares_.begin(), shares_.end(), TechniqueShares());
     std::fill(travelled_.begin(), travelled_.end(), Real(0));
