@@ -108,8 +108,8 @@ class Record {
     [[nodiscard]] bool takes_all(std::uint32_t row) const {
         return lpe_->takes_all(trackers_[row]) || !(events_->prunes() || is_dropped(row));
     }
-    /// With `alone`, subpaths that are held out end, whatever channels take. No beauty and no class of paths takes their
-    /// light.
+    /// With `alone`, subpaths that are held out end, whatever channels take. No beauty and no class of paths takes
+    /// their light.
     void follow_beauty_alone(bool alone) { beauty_alone_ = alone; }
     /// Whether a channel other than beauty can take light of the subpath.
     [[nodiscard]] bool channels_follow(std::uint32_t row) const { return lpe_->channels_follow(trackers_[row]); }
