@@ -162,10 +162,10 @@ Status check_recovery(const Job& job) {
 }
 
 Status check_guide_only(const Job& job) {
-    const bool has_more = job.shard || job.resume || job.settings.samples.only || !job.statistics.empty();
+    const bool has_more = job.shard || job.resume || job.settings.samples.only;
     if (!job.guide_only || (!job.settings.paths.guide_file.empty() && !has_more)) return success();
     return error_at({"--guide-only", 0, 0}, "it trains a guide for a file, and renders nothing",
-                    "expected --guide-file FILE, and no --shard, --resume, --replay and --stats");
+                    "expected --guide-file FILE, and no --shard, --resume and --replay");
 }
 
 }  // namespace raylex::experiments

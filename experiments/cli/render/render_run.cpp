@@ -160,7 +160,7 @@ class RenderRun {
         if (!loaded) return report_error(loaded.error());
         loaded_ = std::move(*loaded);
         job_.settings.identity = checkpoint_identity(job_, loaded_->color);
-        job_.settings.paths.guide_view = !job_.statistics.empty();
+        job_.settings.paths.guide_view = !job_.statistics.empty() && !job_.guide_only;
         ask_for_film_layers(loaded_->scene.film, job_);
         if (const auto ignored = ask_for_film_clamp(loaded_->scene, job_)) warn(*ignored);
         for (const std::string& warning : loaded_->warnings) warn(warning);

@@ -203,7 +203,7 @@ std::vector<RenderSetting> method_settings() {
          "does not train; otherwise the render writes it after the training. The image has the same bits. The shards "
          "of a render can share one file",
          text([](Job& job) { return &job.settings.paths.guide_file; }, true)},
-        {"--guide-only", "", "", "", rare, "ends when --guide-file is written or read, without rendering",
+        {"--guide-only", "", "", "", rare, "ends when --guide-file is written or read, without rendering or statistics",
          on_or_off([](Job& job) { return &job.guide_only; })},
         {"--pass", "pass", "passes", "METHOD:EXPR", rare,
          "renders one class of paths by a method of its own, such as lighttracer:C<RD>S+[<L.>O]:spp=256; EXPR is an "
