@@ -82,6 +82,8 @@ class RenderRun {
         // an image that does not fit into memory is not test-rendered either
         calibrate = calibrate && !job_.settings.buckets;
         job_.settings.buckets.reset();
+        if (Status possible = transport::check_render(*built_, job_.settings); !possible)
+            return report_error(possible.error());
         job_.settings.paths.guide_file.clear();  // it has the guide of all samples
         constexpr double seconds = 2;
         job_.settings.stop.limit = transport::SampleLimit{.seconds = seconds};

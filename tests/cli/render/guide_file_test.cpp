@@ -143,7 +143,9 @@ TEST_CASE("guide files that cannot be used are refused by name", "[guide][law7]"
     check_refused(folder, render + "missing/g", {"missing/g"});
     check_refused(folder, render + "room.pbrt", {"room.pbrt", "cannot use this guide file"});
     check_refused(folder, render + "out.exr", {"'out.exr' is already an input or another output"});
-    check_refused(folder, "render room.pbrt -o out.exr --guide-file g", {"'path' learns no guide", "\"auto\""});
+    for (const char* commands : {"", " --shards 2 --commands", " --shards 2 --commands --no-calibration"})
+        check_refused(folder, std::string("render room.pbrt -o out.exr --guide-file g") + commands,
+                      {"'path' learns no guide", "\"auto\""});
     check_refused(folder, "render guided.toml -o out.exr --guide-only", {"--guide-only", "expected --guide-file FILE"});
     check_refused(folder, render + "g --guide-only --shard 1/2", {"--guide-only", "no --shard, --resume and --replay"});
     check_refused(folder, "render room.pbrt -o out.exr --guide-file g --pass 'path:C<RD>.*:guide=on' --pass path:rest",

@@ -163,7 +163,22 @@ Result<ResolvedJob> ResolvedJob::resolve(const BuiltScene& scene, const RenderSe
     job.threads = settings.machine.threads > 0 ? settings.machine.threads
                                                : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
     job.has_extra_rows = scene.view().media->any();
+    const std::string& guide = settings.paths.guide_file;
+    if (!guide.empty() && job.guide_request().mode == GuideMode::off)
+        return error_at(
+            {guide, 0, 0},
+            "integrator '" + job.chosen.name + "' learns no guide here, so it cannot use this guide file",
+            "expected its parameter guide = \"auto\" or \"on\", which path and bdpt have, or no guide file");
     return job;
+}
+
+GuideRequest ResolvedJob::guide_request() const {
+    GuideRequest request = integrator().guide_request();
+    if (const auto samples = settings.paths.guide_samples; samples && request.mode != GuideMode::off) {
+        request.mode = *samples > 0 ? GuideMode::on : GuideMode::off;
+        request.samples = *samples;
+    }
+    return request;
 }
 
 }  // namespace raylex::transport

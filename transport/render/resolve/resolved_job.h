@@ -66,6 +66,8 @@ class ResolvedJob {
     static Result<ResolvedJob> resolve(const BuiltScene& scene, const RenderSettings& settings);
 
     [[nodiscard]] Integrator& integrator() const { return *chosen.integrator; }
+    /// The integrator's request, with the settings' guide_samples.
+    [[nodiscard]] GuideRequest guide_request() const;
     /// Whether the integrator's light paths splat anywhere on the image.
     [[nodiscard]] bool raster() const { return splats_anywhere(chosen); }
     [[nodiscard]] static bool splats_anywhere(const ChosenIntegrator& chosen) {

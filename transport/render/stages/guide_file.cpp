@@ -54,10 +54,6 @@ Result<GuideFile> GuideFile::open(const ResolvedJob& job, const IntegratorContex
     GuideFile file;
     const std::string& path = job.settings.paths.guide_file;
     if (path.empty()) return file;
-    if (training.request.mode == GuideMode::off)
-        return error_at(
-            {path, 0, 0}, "integrator '" + job.chosen.name + "' learns no guide here, so it cannot use this guide file",
-            "expected its parameter guide = \"auto\" or \"on\", which path and bdpt have, or no guide file");
     file.identity_ = guide_identity(job, training_samples(context, training), training);
     std::error_code failed;
     if (std::filesystem::exists(path, failed)) {

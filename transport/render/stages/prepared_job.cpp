@@ -61,11 +61,7 @@ IntegratorContext PreparedJob::context() const {
 /// depends on no other channel (Law 2).
 GuideTraining PreparedJob::training() const {
     GuideTraining training;
-    training.request = job.integrator().guide_request();
-    if (const auto samples = job.settings.paths.guide_samples; samples && training.request.mode != GuideMode::off) {
-        training.request.mode = *samples > 0 ? GuideMode::on : GuideMode::off;
-        training.request.samples = *samples;
-    }
+    training.request = job.guide_request();
     training.channels =
         job.channels.beauty >= 0 ? std::vector{job.channels.beauty} : context().services.light_channels();
     training.threads = job.threads;
