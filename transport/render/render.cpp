@@ -49,6 +49,7 @@ Result<RenderOutput> render_all(const BuiltScene& scene, const RenderSettings& s
     if (!target) return target.error();
     const auto loop = RenderLoop::begin(*prepared, *target, since_call);
     if (!loop) return loop.error();
+    prepared->unwritten.write(prepared->guide, prepared->job.warnings);
     auto finished = (*loop)->run(progress, stop);
     if (!finished) return finished.error();
     return output_of(prepared->job, *std::move(target), *std::move(finished));

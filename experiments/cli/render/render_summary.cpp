@@ -57,13 +57,15 @@ void print_written_results(const RenderSummary& of) {
                        result->second.substr(0, result->second.find_last_not_of(' ') + 1));
 }
 
-void print_guide(const transport::RenderStatistics& statistics) {
+void print_guide(const transport::RenderOutput& output) {
+    const transport::RenderStatistics& statistics = output.statistics;
     const transport::GuideSummary& guide = statistics.guide;
     const transport::GuideView* view = statistics.guide_view.get();
     if (guide.samples == 0) return;
     print_line("guide: " + std::to_string(guide.samples) + " samples of each pixel for training (" +
-               (guide.read ? "read from a file" : duration_text(guide.seconds)) + "), forecast gain " +
-               number_text(guide.gain) +
+               (guide.read ? "read from a file" : duration_text(guide.seconds)) +
+               (output.samples.resumed > 0 && !guide.read && !output.buckets.image ? " in an earlier session" : "") +
+               "), forecast gain " + number_text(guide.gain) +
                (guide.used ? ", used in " + number_text(100 * guide.guided) + " % of " + std::to_string(guide.regions) +
                                  " regions" +
                                  (view ? " and in " + number_text(100 * view->guided()) + " % of the image" : "") +
@@ -98,7 +100,7 @@ void print_summary(const RenderSummary& of) {
         fs::exists(checkpoint_file(of.job), failed))
         print_line(checkpoint_file(of.job) + ": --resume continues from here");
     print_sampling(of);
-    print_guide(statistics);
+    print_guide(of.output);
     if (!of.beauties.empty())
         print_line("layers equal to the beauty: " + lpe::joined_by(of.beauties, ", ") +
                    " (they accept every path of this scene)");

@@ -232,6 +232,33 @@ TEST_CASE("a training that was cut leaves no guide file", "[guide][render]") {
     CHECK(folder.names().empty());
 }
 
+TEST_CASE("a resumed render writes the guide of its checkpoint, but not that of another render",
+          "[guide][render][checkpoint]") {
+    const auto scene = scene_of(room);
+    const ScratchFile checkpoint, whole, late, other;
+    transport::RenderSettings settings = shared_guide(whole.path());
+    settings.paths.integrator = with_guide(counted("path"), "on", 16);
+    settings.samples.per_pixel = 64;
+    const auto uninterrupted = render_of(scene, settings);
+    settings.paths.guide_file.clear();
+    settings.checkpoint = transport::CheckpointSettings{.file = checkpoint.path(), .seconds = 60};
+    std::atomic<bool> stop{false};
+    interruption().begin(15'000, &stop);  // within the image's 36,864, whether the training's 9,792 count or not
+    REQUIRE(transport::render(scene, settings, {}, &stop).ok());
+    interruption().begin(0, nullptr);
+    settings.checkpoint->resume = true;
+    settings.paths.guide_file = other.path();
+    settings.samples.seed = 1;
+    CHECK_FALSE(transport::render(scene, settings).ok());
+    CHECK_FALSE(other.exists());
+    settings.samples.seed = 0;
+    settings.paths.guide_file = late.path();
+    const auto resumed = render_of(scene, settings);
+    CHECK(resumed.samples.resumed > 0);
+    CHECK((frame_bits(resumed) == frame_bits(uninterrupted)));
+    CHECK((late.bytes() == whole.bytes()));
+}
+
 TEST_CASE("a guide that cannot be written after its training is a warning", "[guide][render][law7]") {
     const auto scene = scene_of(room);
     const ScratchFile file;

@@ -78,6 +78,7 @@ Status PreparedJob::train(GuideTraining training, GuideFile file, const Stopwatc
     if (auto saved = saved_guide(job); !saved) return saved.error();
     else if (*saved) {
         guide = **std::move(saved);
+        if (!guide.summary.cut) unwritten = std::move(file);
         return success();
     }
     if (file.guide) {

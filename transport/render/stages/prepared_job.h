@@ -28,6 +28,7 @@ class PreparedJob {
     std::unique_ptr<const geoaovs::GeometricAovs> aovs;
     std::unique_ptr<const PlannedPaths> paths;
     TrainedGuide guide;
+    GuideFile unwritten;  ///< gets the guide of a checkpoint when restore_checkpoint() has checked whose it is
     std::shared_ptr<const GuideView> guide_view;  ///< RenderStatistics::guide_view
     double seconds = 0, cpu_seconds = 0;          ///< of the preparation
 
