@@ -206,6 +206,29 @@ TEST_CASE("the bits of a guided render with a time limit can be repeated", "[gui
     CHECK((frame_bits(render_of(scene, settings)) == frame_bits(limited)));
 }
 
+TEST_CASE("one sample of a render with a time limit needs the guide of the render", "[guide][render][law3]") {
+    const auto scene = scene_of(room);
+    const ScratchFile file;
+    transport::RenderSettings settings = guided_settings(0, 1);
+    settings.samples.per_pixel.reset();
+    settings.stop.limit = transport::SampleLimit{.seconds = 1};
+    for (const std::string& path : {std::string(), file.path()}) {
+        settings.paths.guide_file = path;
+        settings.samples.only = transport::SampleChoice{1, 1, 1};
+        const auto refused = transport::render(scene, settings);
+        REQUIRE_FALSE(refused.ok());
+        CHECK(refused.error().to_string().find("guidesamples") != std::string::npos);
+    }
+    settings.samples.only.reset();
+    const std::uint32_t samples = render_of(scene, settings).statistics.guide.repeated();
+    settings.samples.only = transport::SampleChoice{1, 1, 1};
+    const auto by_file = render_of(scene, settings);
+    CHECK(by_file.statistics.guide.read);
+    settings.paths.guide_file.clear();
+    settings.paths.guide_samples = samples;
+    CHECK((frame_bits(render_of(scene, settings)) == frame_bits(by_file)));
+}
+
 TEST_CASE("a record of a guide gives the same guide, and a damaged one none", "[guide][render][checkpoint]") {
     transport::RenderSettings settings = guided_settings(32, 16);
     const auto scene = transport::BuiltScene::build(scene_of(lamp_in_glass));

@@ -53,10 +53,17 @@ Result<GuideFile> GuideFile::open(const ResolvedJob& job, const IntegratorContex
                                   const GuideTraining& training) {
     GuideFile file;
     const std::string& path = job.settings.paths.guide_file;
-    if (path.empty()) return file;
-    file.identity_ = guide_identity(job, training_samples(context, training), training);
     std::error_code failed;
-    if (std::filesystem::exists(path, failed)) {
+    const bool exists = !path.empty() && std::filesystem::exists(path, failed);
+    const std::uint32_t samples = training_samples(context, training);
+    if (job.budget.only && training.seconds > 0 && samples > 0 && !exists)
+        return error_at({},
+                        "one sample of a render with a time limit needs the guide of that render, whose training the "
+                        "clock ended",
+                        "expected the 'guide' and 'guidesamples' that the render printed, or its guide file");
+    if (path.empty()) return file;
+    file.identity_ = guide_identity(job, samples, training);
+    if (exists) {
         auto guide = read_guide(path, file.identity_);
         if (!guide) return guide.error();
         file.guide = *std::move(guide);

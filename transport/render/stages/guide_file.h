@@ -18,7 +18,7 @@ class GuideFile {
   public:
     /// Reads the job's PathSettings::guide_file, if there is one. If it does not exist, checks that it can be written.
     /// Errors name the file: it cannot be read or written, it is damaged, it has the guide of another render (with all
-    /// differences).
+    /// differences). Without the file, one sample of a render whose training the clock ends is an Error, too.
     static Result<GuideFile> open(const ResolvedJob& job, const IntegratorContext& context,
                                   const GuideTraining& training);
 
