@@ -190,6 +190,18 @@ TEST_CASE("auto does not train for a short render", "[guide][render]") {
     CHECK(render_of(scene_of(room), settings).statistics.guide.samples > 0);
 }
 
+TEST_CASE("a render that ends by its error trains like a short one", "[guide][render]") {
+    transport::RenderSettings settings = guided_settings(0, 1);
+    settings.samples.per_pixel.reset();
+    settings.stop.limit = transport::SampleLimit{.error = 0.5};
+    const auto scene = scene_of(room);
+    const auto output = render_of(scene, settings);
+    CHECK(output.statistics.guide.samples == 16);  // a quarter of the fewest samples of such a render
+    CHECK(output.samples.per_pixel == 64);
+    settings.paths.integrator = with_guide(integrator_named("path"), "auto", 0);
+    CHECK(render_of(scene, settings).statistics.guide.samples == 0);
+}
+
 TEST_CASE("the bits of a guided render with a time limit can be repeated", "[guide][render][law3]") {
     const auto scene = scene_of(lamp_in_glass);
     transport::RenderSettings settings = guided_settings(0, 1);

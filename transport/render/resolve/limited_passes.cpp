@@ -6,9 +6,6 @@
 namespace raylex::transport {
 namespace {
 
-/// Fewer samples do not estimate their own error well enough to stop by it.
-constexpr std::uint64_t least_for_error = 64;
-
 display::AdaptiveSettings measure_of(double error, std::uint64_t most) {
     display::AdaptiveSettings settings;
     settings.error = error;

@@ -16,6 +16,9 @@ namespace raylex::transport {
 /// Most samples per pixel of a render that ends by a limit and has no number of samples.
 inline constexpr std::uint64_t most_limited_samples = (std::uint64_t{1} << 31) - 1;
 
+/// Fewer samples per pixel do not estimate their own error well enough to stop by it.
+inline constexpr std::uint64_t least_for_error = 64;
+
 class LimitedPasses {
   public:
     /// `block` samples are one step; with `single`, passes have at most one. `layout` and `channels` are those of the

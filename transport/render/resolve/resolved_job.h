@@ -54,7 +54,8 @@ struct JobChannels {
 struct Budget {
     std::uint64_t samples_per_pixel = 0;  ///< at most
     std::uint64_t first_sample = 0;       ///< of the shard
-    std::uint64_t whole = 0;              ///< samples of each pixel in all shards; 0: a limit will end the render
+    std::uint64_t whole =
+        0;  ///< samples of each pixel in all shards, or the fewest if the error ends the render; 0: the clock does
     std::optional<SampleLimit> limit;
     std::optional<display::AdaptiveSettings> adaptive;
     std::optional<SampleChoice> only;
