@@ -9,6 +9,19 @@ using namespace render_test;
 
 namespace {
 
+/// An integrator whose guide cannot be trained.
+class Unteachable final : public transport::Integrator {
+  public:
+    [[nodiscard]] transport::GuideRequest guide_request() const override {
+        return {transport::GuideMode::on, 4, false, [] { return std::make_unique<Unteachable>(); }};
+    }
+    raylex::Status prepare(const transport::IntegratorContext& /*context*/) override { return raylex::success(); }
+    void integrate(const transport::CameraBatch& /*batch*/, transport::IntegratorThread& /*thread*/,
+                   transport::ThreadServices& /*services*/) const override {
+        throw std::runtime_error("it learns nothing");
+    }
+};
+
 /// A small lamp, whose light is rare.
 const std::string lamp_in_glass = lamp_in_globe(0.3, 0.12, 60);
 
@@ -318,6 +331,21 @@ TEST_CASE("a stop ends the training of a guide", "[guide][render]") {
     REQUIRE(output.ok());
     CHECK_FALSE(output->samples.complete);
     CHECK_FALSE(output->statistics.guide.used);
+}
+
+TEST_CASE("an exception in the training of a guide is the error of the render", "[guide][render]") {
+    transport::integrator_registry().add(
+        {"unteachable",
+         "for this test",
+         {},
+         [](const auto&, auto) -> raylex::Result<std::unique_ptr<transport::Integrator>> {
+             return std::unique_ptr<transport::Integrator>(std::make_unique<Unteachable>());
+         }});
+    transport::RenderSettings settings = guided_settings(0, 16);
+    settings.paths.integrator = integrator_named("unteachable");
+    const auto output = transport::render(scene_of(room), settings);
+    REQUIRE_FALSE(output.ok());
+    CHECK(output.error().to_string().find("the training of the guide failed: it learns nothing") != std::string::npos);
 }
 
 TEST_CASE("channels change nothing of a guided beauty", "[guide][render][law2]") {

@@ -91,7 +91,11 @@ Status PreparedJob::train(GuideTraining training, GuideFile file, const Stopwatc
         return (stop != nullptr && stop->load(std::memory_order_relaxed)) ||
                (limit > 0 && since_call.wall() > limit / 2);
     };
-    guide = train_guide(context(), training);
+    try {
+        guide = train_guide(context(), training);
+    } catch (const std::exception& e) {
+        return error_at({}, std::string("the training of the guide failed: ") + e.what());
+    } catch (...) { return error_at({}, "the training of the guide failed: no std::exception was thrown"); }
     if (!guide.summary.cut) file.write(guide, job.warnings);
     else if (limit > 0 && since_call.wall() > limit / 2)
         job.warnings.push_back(
