@@ -36,6 +36,8 @@ Result<RenderOutput> render_all(const BuiltScene& scene, const RenderSettings& s
     const Stopwatch since_call;
     auto resolved = ResolvedJob::resolve(scene, settings);
     if (!resolved) return resolved.error();
+    if (settings.before_preparing)
+        if (Status s = settings.before_preparing(plan_of(*resolved)); !s) return s.error();
     auto prepared = PreparedJob::prepare(*std::move(resolved), since_call, stop);
     if (!prepared) return prepared.error();
     auto buckets = plan_buckets(*prepared);

@@ -172,6 +172,9 @@ struct RenderSettings {
     display::RecordIdentity identity{};
     std::optional<CheckpointSettings> checkpoint;  ///< unset: nothing is saved before the end
     std::optional<BucketSettings> buckets;         ///< set: `checkpoint` must be set too and names the folder
+    /// Is called once, before the integrator prepares and a guide is trained; an Error ends the render. The plan has no
+    /// warnings of the preparation yet.
+    std::function<Status(const RenderPlan&)> before_preparing{};
     /// Is called once, before the render takes memory; an Error ends the render. It may add to `sinks`, which receive
     /// every finished batch beside the frame buffer and must outlive the render.
     std::function<Status(const RenderPlan&, std::vector<display::SampleSink*>& sinks)> before_rendering;

@@ -297,6 +297,8 @@ class RenderRun {
         ask_for_checkpoints();
         Progress progress;
         std::size_t warned = 0;  // warnings before the render
+        if (shard_)
+            job_.settings.before_preparing = [&](const transport::RenderPlan& plan) { return look_for_record(plan); };
         job_.settings.before_rendering = [&](const transport::RenderPlan& plan,
                                              std::vector<display::SampleSink*>& sinks) {
             at_once_.reset();
@@ -306,7 +308,7 @@ class RenderRun {
             progress.begin(plan);
             Status begun = outputs_.begin(plan, sinks, loaded_->primaries, partitions_);
             if (begun) print_memory(outputs_, job_.outputs.memory_limit);
-            return begun && shard_ ? look_for_record(plan) : begun;
+            return begun;
         };
         auto output = render_job(
             job_, passes_, loaded_->scene, *built_,

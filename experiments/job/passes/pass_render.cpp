@@ -47,6 +47,7 @@ RenderSettings settings_of(const Job& job, const PassPlan& plan, std::size_t ind
     settings.channels.takes = pass.expression;
     settings.channels.list = pass.channels;
     if (pass.has_aovs) return settings;
+    settings.before_preparing = nullptr;
     settings.before_rendering = nullptr;
     settings.mattes.kinds.clear();
     keep_known(settings.channels.rules, pass.channels);

@@ -1,6 +1,7 @@
 // raylex render --guide-file: one command trains, and shards, replays and later renders read its guide.
 #include <catch2/catch.hpp>
 
+#include <filesystem>
 #include <sstream>
 
 #include "display/checkpoint/record_file.h"
@@ -67,6 +68,10 @@ TEST_CASE("one command trains for all shards, and they merge to the bits of one 
                   "[^]*the guide learned from 16 other samples[^\\n]* CPU\\)\n"));
     CHECK((image_bits(folder.path("b.exr")) == image_bits(folder.path("whole.exr"))));
     CHECK((folder.read("b.guide") == bytes));
+    // A finished shard does not train again.
+    std::filesystem::remove(folder.path("b.guide"));
+    CHECK(contains(folder.good(first + " --shard 1/2").out, "is done already"));
+    CHECK_FALSE(folder.has("b.guide"));
     // A render that reads, and a second training that finds the file.
     CHECK(contains(folder.good("render guided.toml -o again.exr --guide-file ours.guide").out, "read from a file"));
     CHECK((image_bits(folder.path("again.exr")) == image_bits(folder.path("whole.exr"))));
