@@ -99,9 +99,9 @@ TEST_CASE("a guide does not change how textures are filtered", "[guide][render][
     // Nearly all light comes by a small white patch of the ceiling, so a guide draws its direction much more often than
     // the closure does. With footprints by the guide's density, the patch would not be blurred, and the floor would be
     // about three times as bright.
-    std::vector<Rgb> texels(128 * 128, Rgb(0));
+    std::vector<raylex::transport::Rgb> texels(128 * 128, raylex::transport::Rgb(0));
     for (int y = 80; y < 84; ++y)
-        for (int x = 70; x < 74; ++x) texels[static_cast<std::size_t>(y * 128 + x)] = Rgb(1);
+        for (int x = 70; x < 74; ++x) texels[static_cast<std::size_t>(y * 128 + x)] = raylex::transport::Rgb(1);
     const ImageFile image(128, 128, texels);
     for (const std::string filter : {"bilinear", "trilinear"}) {
         CAPTURE(filter);

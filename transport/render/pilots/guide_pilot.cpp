@@ -1,7 +1,6 @@
 #include "transport/render/pilots/guide_pilot.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <chrono>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include <mutex>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 
 #include "display/services/processor.h"
 #include "display/services/split_mix.h"
@@ -37,9 +37,13 @@ constexpr std::size_t guide_bytes = std::size_t{64} << 20;  // sums of a round a
 constexpr double guide_vertex_cost = 0.6;
 // A region's share is chosen as if it were less: most of the cost is spent whether regions use the guide or not.
 constexpr double guide_share_cost = 1.02;
-// Least gains with which `auto` goes on, by the number of rounds that are left. Each of these rounds takes more time
-// than all before, and a guide becomes better with each.
-constexpr std::array<double, 5> worthwhile_gains{0.95, 1.0, 1.05, 1.05, 1.05};
+// `auto` goes on with these gains at least: after the first round that decides, whose forecasts are often too high,
+// after later ones, and after the last one, when the time of the training is spent.
+constexpr double worthwhile_at_first = 1.3, worthwhile = 1, worthwhile_at_last = 0.95;
+// It decides in the last rounds, from a sixteenth of the training on. Where fewer departures of a path than rare_finds
+// lead to light, the first rounds find too little for a forecast: there it decides from half of the training on.
+constexpr std::uint32_t deciding_rounds = 5, deciding_rounds_if_rare = 2;
+constexpr double rare_finds = 0.125;
 constexpr double most_unlikely = 1e4;
 
 /// Sums over the paths through a tile of the image.
@@ -93,7 +97,8 @@ class GuidePilot {
     std::vector<GuideTile> tiles_;
     IntegratorCounters before_;  // of guided paths in the rounds before
     std::atomic<bool> leave_{false};
-    double mean_ = 0;                                  // of the image, in the first channel
+    double mean_ = 0;  // of the image, in the first channel
+    bool light_is_rare_ = false;
     double finds_of_path_ = 1e-3;                      // records with light for each path of the last round
     std::uint32_t round_ = 0, first_ = 0, count_ = 0;  // samples [first, first + count) of each pixel
 };
@@ -138,9 +143,11 @@ std::unique_ptr<Integrator> GuidePilot::make_integrator(const DirectionSampler* 
 void GuidePilot::weigh() {
     std::uint64_t finds_of_first = 0, first_paths = 0;
     for (const GuideTile& tile : tiles_) finds_of_first += tile.finds, first_paths += tile.paths;
-    if (round_ == 0)  // Round 1 has few finds, so it shares each with at least eight places.
-        finds_of_path_ =
-            std::clamp(static_cast<double>(finds_of_first) / static_cast<double>(first_paths), 1e-3, 0.125);
+    if (round_ == 0) {
+        const double finds = static_cast<double>(finds_of_first) / static_cast<double>(first_paths);
+        light_is_rare_ = finds > 0 && finds < rare_finds;
+        finds_of_path_ = std::clamp(finds, 1e-3, 0.125);  // round 1 has few: it shares each with eight places or more
+    }
     for (std::size_t c = 0; c < training_.channels.size(); ++c) {
         double sum = 0, paths = 0;
         for (const GuideTile& tile : tiles_) sum += tile.received[c], paths += static_cast<double>(tile.paths);
@@ -304,11 +311,16 @@ double GuidePilot::cost(bool guided) const {
 /// Of the last round: variance x cost without the guide, over the same with it. Both variances have the roulette and
 /// splits of the round; the cost without the guide is that of plain paths.
 double GuidePilot::gain() const {
+    // One path can have most of the variance: a hundredth of the tiles, those with the largest, do not count.
+    std::vector<std::pair<double, double>> variances;  // without the guide and with it
+    for (const GuideTile& tile : tiles_)
+        variances.emplace_back(tile.unguided - tile.of_means, tile.guided - tile.of_means);
+    const auto trimmed = variances.begin() + static_cast<std::ptrdiff_t>(tiles_.size() / 100);
+    std::nth_element(variances.begin(), trimmed, variances.end(), [](const auto& a, const auto& b) {
+        return std::max(a.first, a.second) > std::max(b.first, b.second);
+    });
     double guided = 0, unguided = 0;
-    for (const GuideTile& tile : tiles_) {
-        guided += tile.guided - tile.of_means;
-        unguided += tile.unguided - tile.of_means;
-    }
+    for (auto each = trimmed; each != variances.end(); ++each) unguided += each->first, guided += each->second;
     return guided > 0 && unguided > 0 ? unguided * cost(false) / (guided * cost(true)) : 1;
 }
 
@@ -380,8 +392,11 @@ TrainedGuide GuidePilot::run() {
         if (!whole) break;
         last = last_in_time(round, last, watch.wall());
         trained.summary.gain = gain();
-        if (automatic && round >= std::min(first_deciding_round, last) && last - round < worthwhile_gains.size())
-            pays = trained.summary.gain > worthwhile_gains[last - round];
+        if (automatic && round >= std::min(first_deciding_round, last) &&
+            last - round < (light_is_rare_ ? deciding_rounds_if_rare : deciding_rounds))
+            pays = trained.summary.gain > (round == last                   ? worthwhile_at_last
+                                           : round == first_deciding_round ? worthwhile_at_first
+                                                                           : worthwhile);
         refine(round == last);
     }
     summarize(trained);
