@@ -30,7 +30,7 @@ void apply_sample_limit(std::uint64_t samples_per_pixel, display::AdaptiveSettin
 std::string checkpoint_file(const Job& job);
 
 /// Checks --guide-only. Errors: there is no guide file, or the job has a request that only a render can fulfil.
-/// Statistics are not such a request, because jobs for renders name their file; none are written.
+/// A job may name a file for statistics; it is not written.
 Status check_guide_only(const Job& job);
 
 /// Checks a job before the render. Errors: an unfinished render's checkpoint would be lost, --resume has no checkpoint,

@@ -56,7 +56,7 @@ RayCone scattered_cone(const EmbreeScene& geometry, const Hit& hit, const Surfac
     if (!sample.delta) {
         // A cone of full angle a holds pi a^2 / 4 steradians; the sample stands for 1 / pdf of them. The density is the
         // closure's: with that of a sampler of directions, filtered textures would have another mean.
-        const Real closure_pdf = sample.pdf * sample.drawn_over_pdf / sample.favoured;
+        const Real closure_pdf = sample.drawn_over_pdf == 1 ? sample.pdf / sample.favoured : sample.pdf;
         const Real angle = least_share * 2 / std::sqrt(pi * closure_pdf);
         if (angle > std::abs(cone.spread)) cone.spread = angle;
         return cone;

@@ -104,7 +104,8 @@ class Record {
     }
     /// Whether the subpath can find light that a channel takes after a scattering in this medium.
     [[nodiscard]] bool is_live_in_medium(std::uint32_t row, std::int32_t medium) const;
-    /// True if beauty takes the whole path, or if pruning is off. Then is_live() is true as well.
+    /// True if beauty takes the whole path, or if pruning is off, except where follow_beauty_alone() ends the path.
+    /// Then is_live() is true as well.
     [[nodiscard]] bool takes_all(std::uint32_t row) const {
         return lpe_->takes_all(trackers_[row]) || !(events_->prunes() || is_dropped(row));
     }

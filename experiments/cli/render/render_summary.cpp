@@ -4,6 +4,7 @@
 
 #include "experiments/cli/checks.h"
 #include "experiments/job/passes/pass_render.h"
+#include "experiments/job/rendering/provenance.h"
 #include "experiments/job/sampling_requests.h"
 #include "experiments/program/console.h"
 #include "experiments/program/interrupt.h"
@@ -15,13 +16,6 @@ namespace raylex::experiments {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// The settings of the integrator with which another render has the same guide.
-std::string guide_settings(const transport::GuideSummary& guide) {
-    if (guide.samples == 0) return {};
-    if (!guide.used) return " with guide = \"off\"";
-    return " with guide = \"on\" and guidesamples = " + std::to_string(guide.samples);
-}
 
 void print_sampling(const RenderSummary& of) {
     const std::uint64_t samples = of.output.statistics.camera_samples;
@@ -62,15 +56,16 @@ void print_guide(const transport::RenderOutput& output) {
     const transport::GuideSummary& guide = statistics.guide;
     const transport::GuideView* view = statistics.guide_view.get();
     if (guide.samples == 0) return;
-    print_line("guide: " + std::to_string(guide.samples) + " samples of each pixel for training (" +
-               (guide.read ? "read from a file" : duration_text(guide.seconds)) +
-               (output.samples.resumed > 0 && !guide.read && !output.buckets.image ? " in an earlier session" : "") +
-               "), forecast gain " + number_text(guide.gain) +
-               (guide.used ? ", used in " + number_text(100 * guide.guided) + " % of " + std::to_string(guide.regions) +
-                                 " regions" +
-                                 (view ? " and in " + number_text(100 * view->guided()) + " % of the image" : "") +
-                                 ", " + size_text(static_cast<double>(guide.bytes))
-                           : std::string(", not used")));
+    print_line(
+        "guide: " + std::to_string(guide.samples) + " samples of each pixel for training (" +
+        (guide.read ? "read from a file" : duration_text(guide.seconds)) +
+        (output.samples.resumed > 0 && !guide.read && output.buckets.rows.empty() ? " in an earlier session" : "") +
+        "), forecast gain " + number_text(guide.gain) +
+        (guide.used
+             ? ", used in " + number_text(100 * guide.guided) + " % of " + std::to_string(guide.regions) + " regions" +
+                   (view ? " and in " + number_text(100 * view->guided()) + " % of the image" : "") + ", " +
+                   size_text(static_cast<double>(guide.bytes))
+             : std::string(", not used")));
 }
 
 }  // namespace

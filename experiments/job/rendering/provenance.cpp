@@ -113,6 +113,12 @@ std::map<std::string, std::string> header_attributes(const Job& job, const trans
     return attributes;
 }
 
+std::string guide_settings(const transport::GuideSummary& guide) {
+    if (guide.samples == 0) return {};
+    if (!guide.used) return " with guide = \"off\"";
+    return " with guide = \"on\" and guidesamples = " + std::to_string(guide.samples);
+}
+
 std::string text_of_invalid(const Job& job, const transport::RenderOutput& output,
                             const std::vector<std::string>& arguments) {
     const transport::RenderStatistics& statistics = output.statistics;
@@ -123,7 +129,9 @@ std::string text_of_invalid(const Job& job, const transport::RenderOutput& outpu
     const display::InvalidSample& first = statistics.invalid_log.front();
     return text + ".\n  The first: pixel (" + std::to_string(first.pixel_x) + ", " + std::to_string(first.pixel_y) +
            "), sample " + std::to_string(first.sample) + ", seed " + std::to_string(output.used.seed) +
-           "; to render only this sample:\n  " + replay_command(job, output, arguments, first);
+           "; to render only this sample" +
+           (job.settings.stop.limit ? guide_settings(statistics.guide) : std::string()) + ":\n  " +
+           replay_command(job, output, arguments, first);
 }
 
 }  // namespace raylex::experiments

@@ -19,6 +19,10 @@ std::string utc_time();           ///< "2024-03-01T12:00:00Z"
 /// Returns the command line, quoted for a shell.
 std::string shell_command(const std::vector<std::string>& arguments);
 
+/// The settings of the integrator with which another render has the guide of a render with a time limit; empty without
+/// a guide.
+std::string guide_settings(const transport::GuideSummary& guide);
+
 /// Returns a command line that renders one sample of an image: the original one with --replay and its instruction set.
 std::string replay_command(const Job& job, const transport::RenderOutput& output,
                            const std::vector<std::string>& arguments, const display::InvalidSample& sample);

@@ -102,7 +102,8 @@ std::vector<RenderSetting> sampling_settings() {
          applied(set_tolerance)},
         {"--time", "render.time", "time", "TIME", often,
          "stops the render after this time (to within a second), such as 30s, 5m or 1h; --spp is then the maximum. The "
-         "number of samples is printed; --spp with that number gives the same bits",
+         "number of samples is printed; --spp with that number gives the same bits; if a guide was used, also set "
+         "the printed guidesamples",
          applied(set_time)},
         {"--seed", "render.seed", "seed", "N", often, "seed of the sampler",
          whole(0, std::numeric_limits<std::uint64_t>::max(), [](Job& job) { return &job.settings.samples.seed; })},

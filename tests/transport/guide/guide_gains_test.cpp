@@ -92,6 +92,14 @@ TEST_CASE("no survival is below a twentieth, and no vertex has more than eight b
                 CHECK(share >= transport::least_survival);
                 CHECK(share <= 1);
             }
+    // m rays in the image, and sqrt(m) in training.
+    region.by_square = region.by_light = 0.25f;
+    CHECK(transport::rays_by_gain(region, 1, false) == 0.25f);
+    CHECK(transport::rays_by_gain(region, 1, true) == 0.5f);
+    CHECK(transport::light_share_by_gain(region, 1) == 0.25f);
+    region.by_square = region.by_noise = 4;
+    CHECK(transport::rays_by_gain(region, 1, false) == 4);
+    CHECK(transport::rays_by_gain(region, 1, true) == 2);
 }
 
 TEST_CASE("roulette and splits by expected gain find the light of every length in an enclosure",

@@ -32,12 +32,30 @@ TEST_CASE("a render that ends by its error trains like a short one", "[guide][re
     CHECK(render_of(scene, settings).statistics.guide.samples == 0);
 }
 
+TEST_CASE("auto waits for a forecast where light is rare", "[guide][render]") {
+    const auto trained = [](const std::string& text) {
+        const auto scene = transport::BuiltScene::build(scene_of(text));
+        REQUIRE(scene.ok());
+        transport::RenderSettings settings = guided_settings(0, 512);
+        settings.paths.integrator = with_guide(integrator_named("path"), "auto", 0);
+        auto job = transport::ResolvedJob::resolve(**scene, settings);
+        REQUIRE(job.ok());
+        auto prepared = transport::PreparedJob::prepare(*std::move(job));
+        REQUIRE(prepared.ok());
+        return prepared->guide.summary;
+    };
+    CHECK(trained(lamp_in_globe(0.3, 0.12, 60)).samples >= 64);  // half of the training
+    const transport::GuideSummary common = trained(enclosure(0.5, 0.3));
+    CHECK(common.samples == 8);
+    CHECK_FALSE(common.used);
+}
+
 TEST_CASE("one sample of a render with a time limit needs the guide of the render", "[guide][render][law3]") {
     const auto scene = scene_of(room);
     const ScratchFile file;
     transport::RenderSettings settings = guided_settings(0, 1);
     settings.samples.per_pixel.reset();
-    settings.stop.limit = transport::SampleLimit{.seconds = 1};
+    settings.stop.limit = transport::SampleLimit{.seconds = 4};  // also a sanitized build trains within half of it
     for (const std::string& path : {std::string(), file.path()}) {
         settings.paths.guide_file = path;
         settings.samples.only = transport::SampleChoice{1, 1, 1};
@@ -47,6 +65,7 @@ TEST_CASE("one sample of a render with a time limit needs the guide of the rende
     }
     settings.samples.only.reset();
     const std::uint32_t samples = render_of(scene, settings).statistics.guide.repeated();
+    REQUIRE(samples > 0);
     settings.samples.only = transport::SampleChoice{1, 1, 1};
     const auto by_file = render_of(scene, settings);
     CHECK(by_file.statistics.guide.read);

@@ -83,8 +83,8 @@ struct BsdfSample {
     bool pdf_is_proportional = false;  ///< stochastic (layered) closures: `pdf` belongs to `weight`; MIS uses pdf()
     bool is_weighed = false;           ///< of a DirectionSampler: `weight` and `lobes` are set, for paths of radiance
     /// Of a DirectionSampler: its density over the closure's. Roulette multiplies the throughput by it, since a
-    /// direction that is drawn more often than by the closure is no less worth following. Footprints have the
-    /// closure's.
+    /// direction that is drawn more often than by the closure is no less worth following. Footprints use
+    /// the closure's density.
     Real favoured = 1;
     /// Of a DirectionSampler: the density with which the direction was drawn, divided by `pdf`. It differs from 1 only
     /// where `pdf` is a weight and not the density.

@@ -37,11 +37,12 @@ constexpr std::size_t guide_bytes = std::size_t{64} << 20;  // sums of a round a
 constexpr double guide_vertex_cost = 0.6;
 // A region's share is chosen as if it were less: most of the cost is spent whether regions use the guide or not.
 constexpr double guide_share_cost = 1.02;
-// `auto` goes on with these gains at least: after the first round that decides, whose forecasts are often too high,
-// after later ones, and after the last one, when the time of the training is spent.
+// `auto` goes on with these gains at least: after eight samples of each pixel, whose forecasts are often too high,
+// after later rounds, and after the last one, when the time of the training is spent.
 constexpr double worthwhile_at_first = 1.3, worthwhile = 1, worthwhile_at_last = 0.95;
-// It decides in the last rounds, from a sixteenth of the training on. Where fewer departures of a path than rare_finds
-// lead to light, the first rounds find too little for a forecast: there it decides from half of the training on.
+// It decides in the last rounds, from a sixteenth of the training on. Where a smaller part of the departures than
+// rare_finds leads to light, the first rounds find too little for a forecast: there it decides from half of the
+// training on. With no find at all, there may be nothing to find.
 constexpr std::uint32_t deciding_rounds = 5, deciding_rounds_if_rare = 2;
 constexpr double rare_finds = 0.125;
 constexpr double most_unlikely = 1e4;
@@ -49,9 +50,10 @@ constexpr double most_unlikely = 1e4;
 /// Sums over the paths through a tile of the image.
 struct GuideTile {
     display::PixelRegion pixels;
-    std::vector<double> received;        // [channel] in all rounds
-    std::vector<double> weights;         // [channel] of squares: over the square of the mean there
-    std::uint64_t paths = 0, finds = 0;  // finds: departures that led to light, in round 0
+    std::vector<double> received;  // [channel] in all rounds
+    std::vector<double> weights;   // [channel] of squares: over the square of the mean there
+    std::uint64_t paths = 0, guidable = 0,
+                  finds = 0;  // guidable: departures in round 0; finds: those that led to light
     // Of one round, in these weights: squares as drawn, as expected without the guide, and of the pixels' means.
     double guided = 0, unguided = 0, of_means = 0;
     LaterLight later;  // of one round
@@ -141,12 +143,15 @@ std::unique_ptr<Integrator> GuidePilot::make_integrator(const DirectionSampler* 
 /// The weight of a tile is 1 over the square of its mean, but dark tiles do not count more than those of half the
 /// image's mean.
 void GuidePilot::weigh() {
-    std::uint64_t finds_of_first = 0, first_paths = 0;
-    for (const GuideTile& tile : tiles_) finds_of_first += tile.finds, first_paths += tile.paths;
     if (round_ == 0) {
-        const double finds = static_cast<double>(finds_of_first) / static_cast<double>(first_paths);
-        light_is_rare_ = finds > 0 && finds < rare_finds;
-        finds_of_path_ = std::clamp(finds, 1e-3, 0.125);  // round 1 has few: it shares each with eight places or more
+        double finds = 0, guidable = 0, paths = 0;
+        for (const GuideTile& tile : tiles_) {
+            finds += static_cast<double>(tile.finds);
+            guidable += static_cast<double>(tile.guidable);
+            paths += static_cast<double>(tile.paths);
+        }
+        light_is_rare_ = finds > 0 && finds < rare_finds * guidable;
+        finds_of_path_ = std::clamp(finds / paths, 1e-3, 0.125);  // round 1 has few: eight places or more learn each
     }
     for (std::size_t c = 0; c < training_.channels.size(); ++c) {
         double sum = 0, paths = 0;
@@ -170,8 +175,13 @@ void GuidePilot::learn(GuideTile& tile, GuideWorker& worker, std::uint64_t row, 
     }
     ++tile.paths;
     if (round_ == 0) {
-        for (std::size_t i = 0; i < path.vertices.size(); ++i)
-            if (path.vertices[i].guidable && path.behind(i, 0) > 0) ++tile.finds;
+        for (std::size_t i = 0; i < path.vertices.size(); ++i) {
+            if (!path.vertices[i].guidable) continue;
+            ++tile.guidable;
+            bool found = false;
+            for (std::size_t c = 0; c < path.channels; ++c) found = found || path.behind(i, c) > 0;
+            tile.finds += found ? 1 : 0;
+        }
         return;
     }
     if (gain_sums_) gain_sums_->add(path, tile.later);

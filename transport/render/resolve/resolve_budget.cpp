@@ -117,7 +117,7 @@ Result<Budget> resolve_budget(const SampleSettings& samples, const StopSettings&
     if (Status s = resolve_limit(samples, stop, chosen, channels, budget); !s) return s.error();
     if (Status s = resolve_only(samples, sampling, chosen, budget); !s) return s.error();
     const bool known = !budget.limit || (samples.per_pixel && !(budget.limit->seconds > 0));
-    // A render that ends by its error may end after few samples: its guide costs no more than that of a short render.
+    // A render that only its error ends may end after few samples: its guide costs no more than that of a short render.
     const bool timed = budget.limit && budget.limit->seconds > 0;
     budget.whole = samples.whole.value_or(known ? budget.samples_per_pixel : timed ? 0 : least_for_error);
     return budget;

@@ -54,8 +54,9 @@ struct JobChannels {
 struct Budget {
     std::uint64_t samples_per_pixel = 0;  ///< at most
     std::uint64_t first_sample = 0;       ///< of the shard
-    std::uint64_t whole =
-        0;  ///< samples of each pixel in all shards, or the fewest if the error ends the render; 0: the clock does
+    /// Samples of each pixel in all shards, at most; least_for_error if only the error ends the render; 0: the clock
+    /// does.
+    std::uint64_t whole = 0;
     std::optional<SampleLimit> limit;
     std::optional<display::AdaptiveSettings> adaptive;
     std::optional<SampleChoice> only;

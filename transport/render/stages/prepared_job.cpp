@@ -78,24 +78,20 @@ Status PreparedJob::train(GuideTraining training, GuideFile file, const Stopwatc
     if (auto saved = saved_guide(job); !saved) return saved.error();
     else if (*saved) {
         guide = **std::move(saved);
-        if (!guide.summary.cut) unwritten = std::move(file);
+        if (!guide.summary.cut && !guide.summary.read) unwritten = std::move(file);
         return success();
     }
     if (file.guide) {
         guide = *std::move(file.guide);
         return success();
     }
-    const double limit = job.budget.limit ? job.budget.limit->seconds : 0;
+    const double limit = job.budget.limit && !job.budget.only ? job.budget.limit->seconds : 0;
     // Half of the time is for the image, whatever the training takes.
     training.stopped = [&since_call, stop, limit] {
         return (stop != nullptr && stop->load(std::memory_order_relaxed)) ||
                (limit > 0 && since_call.wall() > limit / 2);
     };
-    try {
-        guide = train_guide(context(), training);
-    } catch (const std::exception& e) {
-        return error_at({}, std::string("the training of the guide failed: ") + e.what());
-    } catch (...) { return error_at({}, "the training of the guide failed: no std::exception was thrown"); }
+    guide = train_guide(context(), training);
     if (!guide.summary.cut) file.write(guide, job.warnings);
     else if (limit > 0 && since_call.wall() > limit / 2)
         job.warnings.push_back(
@@ -131,10 +127,16 @@ Result<PreparedJob> PreparedJob::prepare(ResolvedJob resolved, const Stopwatch& 
     // (Law 2). The choice of techniques depends on live light, and so on the class alone.
     if (!job.settings.channels.takes.empty()) request.splits = request.roulette = false;
     prepared.paths = std::make_unique<const PlannedPaths>(make_path_plan(prepared.context(), request));
-    if (Status s = prepared.train(std::move(training), *std::move(file), since_call, stop); !s) return s.error();
-    if (job.settings.paths.guide_view && prepared.guide.guide)
-        prepared.guide_view =
-            view_guide(prepared.context(), job.integrator().guide_request(), *prepared.guide.guide, stop);
+    try {
+        if (Status s = prepared.train(std::move(training), *std::move(file), since_call, stop); !s) return s.error();
+        if (job.settings.paths.guide_view && prepared.guide.guide)
+            prepared.guide_view =
+                view_guide(prepared.context(), job.integrator().guide_request(), *prepared.guide.guide, stop);
+    } catch (const std::exception& e) {
+        return error_at({}, std::string("the training of the guide failed: ") + e.what());
+    } catch (...) {
+        return error_at({}, "the training of the guide failed: a plugin threw an object that is not a std::exception");
+    }
     if (Status s = job.integrator().prepare(prepared.context()); !s) return s.error();
     for (Omission& omission : job.integrator().omissions())
         if (!omission.is_declared || job.settings.channels.takes.empty())
