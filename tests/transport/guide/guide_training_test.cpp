@@ -1,5 +1,9 @@
 // How long the training of a guide is, and how it ends.
+#include <stdexcept>
+
+#include "transport/enclosure.h"
 #include "transport/guide/guide_support.h"
+#include "transport/render/stages/prepared_job.h"
 
 using namespace render_test;
 

@@ -1,6 +1,7 @@
 #include "transport/render/stages/prepared_job.h"
 
 #include <algorithm>
+#include <exception>
 
 #include "display/services/channel_prefixes.h"
 #include "lpe/algebra/proofs/check.h"
