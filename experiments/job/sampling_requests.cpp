@@ -161,6 +161,15 @@ Status check_recovery(const Job& job) {
     return success();
 }
 
+void request_checkpoints(Job& job) {
+    if (job.checkpoint_seconds == 0 && !job.settings.buckets) return;
+    transport::CheckpointSettings settings;
+    settings.file = checkpoint_file(job);
+    settings.seconds = job.checkpoint_seconds > 0 ? job.checkpoint_seconds : std::numeric_limits<double>::infinity();
+    settings.resume = job.resume;
+    job.settings.checkpoint = std::move(settings);
+}
+
 Status check_guide_only(const Job& job) {
     const bool has_more = job.shard || job.resume || job.settings.samples.only;
     if (!job.guide_only || (!job.settings.paths.guide_file.empty() && !has_more)) return success();

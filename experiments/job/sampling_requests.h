@@ -28,6 +28,8 @@ void apply_sample_limit(std::uint64_t samples_per_pixel, display::AdaptiveSettin
 /// Returns the checkpoint file of a render: beside its image, or beside the record of its shard. For a render in
 /// buckets it is a folder.
 std::string checkpoint_file(const Job& job);
+/// Sets RenderSettings::checkpoint from the job's interval, which renders in buckets do not need.
+void request_checkpoints(Job& job);
 
 /// Checks --guide-only. Errors: there is no guide file, or the job has a request that only a render can fulfil.
 /// A job may name a file for statistics; it is not written.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -274,16 +273,6 @@ class RenderRun {
         return exit_interrupted;
     }
 
-    void ask_for_checkpoints() {
-        if (job_.checkpoint_seconds == 0 && !job_.settings.buckets) return;
-        transport::CheckpointSettings settings;
-        settings.file = checkpoint_file(job_);
-        settings.seconds =
-            job_.checkpoint_seconds > 0 ? job_.checkpoint_seconds : std::numeric_limits<double>::infinity();
-        settings.resume = job_.resume;
-        job_.settings.checkpoint = std::move(settings);
-    }
-
     /// Removes the checkpoint. Call it only after all files are written.
     void remove_checkpoint() {
         if (!output_->samples.complete || (job_.checkpoint_seconds == 0 && !output_->buckets.image)) return;
@@ -294,7 +283,7 @@ class RenderRun {
     }
 
     Step render() {
-        ask_for_checkpoints();
+        request_checkpoints(job_);
         Progress progress;
         std::size_t warned = 0;  // warnings before the render
         if (shard_)

@@ -10,9 +10,9 @@
 // about as much as one that is 1 / f times the best, and little where f is near 1. So sqrt(m) rays leave a vertex in
 // training: they lose little where m is right, and much less than m rays where it is wrong. In the image m rays leave.
 //
-// A light sample counts as one more ray. The mean square of what light samples find takes the place of S, and the cost
-// of a light sample that of R. A vertex of the image takes its light sample with the probability m, at most 1. So where
-// light samples find nothing, most of them are left out.
+// The number of light samples follows from the same formula. S is then the mean square of what light samples find, and
+// R is the cost of a light sample. A vertex of the image takes its light sample with the probability m, at most 1. So
+// vertices at which light samples find nothing leave out most of them.
 //
 // The number depends on the training, the throughput and the vertex, and never on samples that it weighs: the image is
 // unbiased.
